@@ -1,0 +1,200 @@
+"""Owns the one door between descriptions and numbers: it refuses what cannot be simulated, and makes the kernel's records."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.checks import check_design, warnings_for
+from models.components import Actuated, MovableMass
+from models.design import DeclaredMass, Design
+from models.hydrodynamic_law import HydrodynamicLaw, build_law
+from models.kernel.params import BODY, EXTENSIONS, PART, Params
+from models.limits import DEFAULT_LIMITS, Limits
+from models.mass_properties import component_center_of_mass, initial_extensions, mass_balance, point_inertia
+from models.problems import Problem
+from models.schedule import Schedule
+from models.volumes import core_volume, grows_along_axis, unit_axis, volume_law
+
+Array = NDArray[np.float64]
+REFERENCE_SPEED = 0.1
+"""Speed whose kinetic energy scales errors in the work states, m/s."""
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """A design made ready for the kernel: its constants, its initial state, and what the user should be warned of."""
+
+    design: Design
+    params: Params
+    initial_state: Array
+    cells: tuple[str, ...]
+    law: HydrodynamicLaw
+    warnings: tuple[Problem, ...]
+
+
+def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
+    """Turn a design into the kernel's records.
+
+    Raises
+    ------
+    DesignError
+        With the numbers, where the design cannot be simulated or exceeds a limit.
+    """
+    law = check_design(design, limits, build_law)
+    parts = [component for _, component in design.vehicle.actuated]
+    extensions = initial_extensions(design)
+    laws = [volume_law(part) for part in parts]
+    commands = [_command_rows(_schedule_of(design, part.name), extensions[part.name]) for part in parts]
+    lookup, lookup_scale = _lookup(law.breaks)
+    body = _body(design, lookup_scale)
+    params = Params(
+        body=body,
+        parts=_parts(design, parts, laws, commands),
+        volume_law=_stack(laws, 5),
+        commands=_stack(commands, 3),
+        table=_table(law),
+        lookup=lookup,
+        error_scale=_error_scale(design, parts, float(body["mass"][0])),
+    )
+    state = _initial_state(design, [extensions[part.name] for part in parts])
+    warnings = tuple(warnings_for(design))
+    return Assembly(design, params, state, tuple(part.name for part in parts), law, warnings)
+
+
+def _stack(rows: list[Array], columns: int) -> Array:
+    return np.ascontiguousarray(np.concatenate(rows)) if rows else np.zeros((0, columns))
+
+
+def _body(design: Design, lookup_scale: float) -> NDArray[np.void]:
+    vehicle, environment = design.vehicle, design.mission.environment
+    density = environment.water.density
+    moving = set() if isinstance(vehicle.mass_properties, DeclaredMass) else _sliding(design)
+    still = [c for c in vehicle.components if c.name not in moving]
+    if isinstance(vehicle.mass_properties, DeclaredMass):
+        balance = mass_balance(vehicle)
+        moment, inertia = balance.mass * balance.center_of_mass, balance.inertia_about_origin
+    else:
+        centers = [component_center_of_mass(c, 0.0) for c in still]
+        moment = np.sum([c.mass * r for c, r in zip(still, centers, strict=True)], axis=0) + np.zeros(3)
+        inertia = np.zeros((3, 3))
+        inertia[1, 1] = sum(c.inertia.yy for c in vehicle.components)
+        for c, r in zip(still, centers, strict=True):
+            inertia += c.mass * point_inertia(r)
+    rigid = [c for c in vehicle.components if c.kind == "rigid"]
+    volume_moment = np.sum([c.volume * np.array(c.position) for c in rigid], axis=0) + np.zeros(3)
+    A = _added_mass(design)
+    table = vehicle.hydrodynamics
+    values = {
+        "gravity": environment.gravity,
+        "density": density,
+        "bed_depth": math.inf if environment.bed_depth is None else environment.bed_depth,
+        "mass": mass_balance(vehicle).mass,
+        "mass_x": moment[0],
+        "mass_z": moment[2],
+        "inertia_yy": inertia[1, 1],
+        "volume": math.fsum(c.volume for c in rigid),
+        "volume_x": volume_moment[0],
+        "volume_z": volume_moment[2],
+        "a11": A[0, 0], "a13": A[0, 2], "a15": A[0, 4], "a33": A[2, 2], "a35": A[2, 4], "a55": A[4, 4],
+        "munk_in_table": float(table.includes_munk_moment),
+        "d11": vehicle.damping.surge, "d33": vehicle.damping.heave, "d55": vehicle.damping.pitch,
+        "force_scale": density / table.reference_density,
+        "reference_x": table.reference_point[0],
+        "reference_z": table.reference_point[2],
+        "lookup_scale": lookup_scale,
+    }  # fmt: skip
+    return np.array([tuple(float(values[name]) for name in BODY.names or ())], dtype=BODY)
+
+
+def _sliding(design: Design) -> set[str]:
+    return {c.name for c in design.vehicle.components if isinstance(c, MovableMass)}
+
+
+def _added_mass(design: Design) -> Array:
+    added = design.vehicle.added_mass
+    if added is None or not added.enabled:
+        return np.zeros((6, 6))
+    return np.array(added.matrix) * (design.mission.environment.water.density / added.density)
+
+
+def _parts(design: Design, parts: list[Actuated], laws: list[Array], commands: list[Array]) -> NDArray[np.void]:
+    records = np.zeros(len(parts), dtype=PART)
+    declared = isinstance(design.vehicle.mass_properties, DeclaredMass)
+    law_start = command_start = 0
+    for record, part, law, rows in zip(records, parts, laws, commands, strict=True):
+        axis, center = unit_axis(part), part.center_of_mass or part.position
+        record["axis_x"], record["axis_z"] = axis[0], axis[2]
+        record["neutral"] = part.neutral
+        record["stop_low"], record["stop_high"] = part.stroke
+        record["rate"] = math.inf if part.rate_limit is None else part.rate_limit
+        record["inverse_lag"] = 1.0 / part.lag if part.lag > 0.0 else 0.0
+        record["moving_mass"] = part.mass if isinstance(part, MovableMass) and not declared else 0.0
+        record["moving_x"], record["moving_z"] = center[0], center[2]
+        record["x"], record["z"] = part.position[0], part.position[2]
+        record["core_volume"] = core_volume(part)
+        record["grows"] = float(grows_along_axis(part))
+        record["law_start"], record["law_count"] = law_start, len(law)
+        record["command_start"], record["command_count"] = command_start, len(rows)
+        law_start += len(law)
+        command_start += len(rows)
+    return records
+
+
+def _schedule_of(design: Design, name: str) -> Schedule | None:
+    return next((s for s in design.mission.control.schedules if s.cell == name), None)
+
+
+def _command_rows(schedule: Schedule | None, initial: float) -> Array:
+    """Return the command as rows of time, value and slope, each in force until the next."""
+    rows = [[0.0, initial, 0.0]]
+    for point in schedule.points if schedule else ():
+        time, value = rows[-1][0], rows[-1][1]
+        if point.shape == "ramp" and point.time > time:
+            rows[-1][2] = (point.extension - value) / (point.time - time)
+        row = [point.time, point.extension, 0.0]
+        if point.time > time:
+            rows.append(row)
+        else:
+            rows[-1] = row
+    return np.array(rows)
+
+
+def _table(law: HydrodynamicLaw) -> Array:
+    pieces, _, order = law.coefficients.shape
+    table = np.zeros((pieces + 1, 1 + 3 * order))
+    table[:, 0] = law.breaks
+    table[:-1, 1:] = law.coefficients.reshape(pieces, 3 * order)
+    return table
+
+
+def _lookup(breaks: Array) -> tuple[NDArray[np.int64], float]:
+    """Return the piece at the lower edge of equal buckets so narrow that each holds one break at most, and buckets/rad."""
+    buckets = math.ceil(2.0 * math.pi / float(np.diff(breaks).min()) * 1.001) + 1
+    edges = -math.pi + np.arange(buckets) * (2.0 * math.pi / buckets)
+    lookup = np.searchsorted(breaks, edges, side="right") - 1
+    # the kernel's rounding may put an angle into the bucket before its own: step back to the piece below an edge
+    return np.clip(lookup, 0, len(breaks) - 2).astype(np.int64), buckets / (2.0 * math.pi)
+
+
+def _error_scale(design: Design, parts: list[Actuated], mass: float) -> Array:
+    scale = np.ones(EXTENSIONS + len(parts))
+    scale[6:EXTENSIONS] = mass * REFERENCE_SPEED**2
+    for i, part in enumerate(parts):
+        low, high = part.stroke
+        scale[EXTENSIONS + i] = high - low
+    return scale * design.mission.solver.tolerance
+
+
+def _initial_state(design: Design, extensions: list[float]) -> Array:
+    initial = design.mission.initial
+    return np.array(
+        [
+            initial.position[0], initial.position[2], initial.pitch,
+            initial.velocity[0], initial.velocity[2], initial.angular_velocity[1],
+            0.0, 0.0, *extensions,
+        ]
+    )  # fmt: skip

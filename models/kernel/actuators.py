@@ -1,0 +1,160 @@
+"""Owns the parts that move: volumes, moments, the command, and how an extension follows it within one segment.
+
+A segment is a stretch of time in which every command is one straight line and every part follows one law, so that no
+step of the integrator straddles a corner. `drive` holds, for each part, [mode, rate, target, target_slope, start].
+"""
+
+from __future__ import annotations
+
+import math
+
+from models.kernel.jit import compiled, inlined
+from models.kernel.params import EXTENSIONS
+
+STEADY, LAGGING = 0.0, 1.0
+MODE, RATE, TARGET, SLOPE, START, DRIVE_COLUMNS = range(6)
+SAME_TIME = 1e-12
+"""Times closer than this, relative to the larger of them and 1 s, are one time."""
+
+
+@inlined
+def volume_and_slope(part, e, p):  # type: ignore[no-untyped-def]
+    """Return V(e) (m3) and dV/de (m2) of one part."""
+    k = part.law_start
+    last = part.law_start + part.law_count - 1
+    while k < last and e >= p.volume_law[k + 1, 0]:
+        k += 1
+    row = p.volume_law[k]
+    h = e - row[0]
+    return row[1] + h * (row[2] + h * (row[3] + h * row[4])), row[2] + h * (2.0 * row[3] + h * 3.0 * row[4])
+
+
+@inlined
+def balance_with_parts(y, p):  # type: ignore[no-untyped-def]
+    """Return mass_x, mass_z, inertia_yy, volume, volume_x, volume_z of the vehicle at the state's extensions."""
+    b = p.body[0]
+    mass_x, mass_z, inertia = b.mass_x, b.mass_z, b.inertia_yy
+    volume, volume_x, volume_z = b.volume, b.volume_x, b.volume_z
+    for i in range(p.parts.shape[0]):
+        part = p.parts[i]
+        travel = y[EXTENSIONS + i] - part.neutral
+        x_m = part.moving_x + travel * part.axis_x
+        z_m = part.moving_z + travel * part.axis_z
+        mass_x += part.moving_mass * x_m
+        mass_z += part.moving_mass * z_m
+        inertia += part.moving_mass * (x_m * x_m + z_m * z_m)
+        V, _slope = volume_and_slope(part, y[EXTENSIONS + i], p)
+        growth = 0.5 * part.grows * travel * (V - part.core_volume)
+        volume += V
+        volume_x += V * part.x + growth * part.axis_x
+        volume_z += V * part.z + growth * part.axis_z
+    return mass_x, mass_z, inertia, volume, volume_x, volume_z
+
+
+@inlined
+def extension_rate(t, e, part, d):  # type: ignore[no-untyped-def]
+    """Return de/dt of one part in the present segment, m/s."""
+    if d[MODE] == STEADY:
+        return d[RATE]
+    wanted = (d[TARGET] + d[SLOPE] * (t - d[START]) - e) * part.inverse_lag
+    return min(max(wanted, -part.rate), part.rate)
+
+
+@inlined
+def parts_power(t, y, p, drive, dy, s, c):  # type: ignore[no-untyped-def]
+    """Write the extension rates into `dy` and return the power of the actuators: dU/de e' + nu^T dM_RB/de nu e' / 2."""
+    b = p.body[0]
+    u, w, q = y[3], y[4], y[5]
+    power = 0.0
+    for i in range(p.parts.shape[0]):
+        part = p.parts[i]
+        e = y[EXTENSIONS + i]
+        rate = extension_rate(t, e, part, drive[i])
+        dy[EXTENSIONS + i] = rate
+        travel = e - part.neutral
+        V, slope = volume_and_slope(part, e, p)
+        growth = 0.5 * part.grows * (travel * slope + V - part.core_volume)
+        volume_x = slope * part.x + growth * part.axis_x
+        volume_z = slope * part.z + growth * part.axis_z
+        net_x = part.moving_mass * part.axis_x - b.density * volume_x
+        net_z = part.moving_mass * part.axis_z - b.density * volume_z
+        potential = b.gravity * (b.density * slope * y[1] + s * net_x - c * net_z)
+        along = part.axis_x * (part.moving_x + travel * part.axis_x)
+        along += part.axis_z * (part.moving_z + travel * part.axis_z)
+        kinetic = part.moving_mass * q * (u * part.axis_z - w * part.axis_x + q * along)
+        power += rate * (potential + kinetic)
+    return power
+
+
+@inlined
+def command_row(part, t, p):  # type: ignore[no-untyped-def]
+    """Return the row of the command in force at time t (from its own time on), by bisection."""
+    low = part.command_start
+    high = part.command_start + part.command_count
+    while high - low > 1:
+        middle = (low + high) // 2
+        if p.commands[middle, 0] <= t + SAME_TIME * max(1.0, abs(t)):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@compiled
+def command(part, t, p):  # type: ignore[no-untyped-def]
+    """Return the commanded extension of one part at time t, within its stops, m."""
+    row = p.commands[command_row(part, t, p)]
+    return min(max(row[1] + row[2] * (t - row[0]), part.stop_low), part.stop_high)
+
+
+@inlined
+def lag_corner(gap, slope, rate, lag):  # type: ignore[no-untyped-def]
+    """Return after how long a lagging part leaves or reaches its rate limit; infinity if it never does.
+
+    `gap` = command - extension. Saturated, the gap changes at (slope -+ rate); free, it tends to slope * lag.
+    """
+    edge = rate * lag
+    if abs(gap) > edge * (1.0 + 1e-12):
+        closing = math.copysign(rate, gap) - slope
+        remaining = gap - math.copysign(edge, gap)
+        return remaining / closing if remaining * closing > 0.0 else math.inf
+    tends_to = slope * lag
+    if abs(slope) <= rate or abs(gap) >= edge:
+        return math.inf
+    return lag * math.log((tends_to - gap) / (tends_to - math.copysign(edge, slope)))
+
+
+@compiled
+def begin_segment(t, y, p, drive):  # type: ignore[no-untyped-def]
+    """Set how every part moves from time t on, and return when that ends (infinity if never).
+
+    A part without rate limit and lag is put on its command here, so `y` may jump.
+    """
+    end = math.inf
+    for i in range(p.parts.shape[0]):
+        part = p.parts[i]
+        k = command_row(part, t, p)
+        if k + 1 < part.command_start + part.command_count:
+            end = min(end, p.commands[k + 1, 0])
+        slope = p.commands[k, 2]
+        target = command(part, t, p)
+        gap = target - y[EXTENSIONS + i]
+        d = drive[i]
+        d[TARGET], d[SLOPE], d[START] = target, slope, t
+        reach = 1e-10 * (part.stop_high - part.stop_low) + (0.0 if math.isinf(part.rate) else 1e-9 * part.rate)
+        if part.inverse_lag > 0.0:
+            d[MODE] = LAGGING
+            end = min(end, t + max(lag_corner(gap, slope, part.rate, 1.0 / part.inverse_lag), 1e-9))
+        elif math.isinf(part.rate) or (abs(gap) <= reach and abs(slope) <= part.rate):
+            d[MODE], d[RATE] = STEADY, slope
+            y[EXTENSIONS + i] = target
+        else:
+            toward = gap if abs(gap) > reach else slope
+            d[MODE], d[RATE] = STEADY, math.copysign(part.rate, toward)
+            closing = d[RATE] - slope
+            if gap * closing > 0.0 and abs(gap) > reach:
+                end = min(end, t + gap / closing)
+    return max(end, t + SAME_TIME * max(1.0, t))
+
+
+__all__ = ["DRIVE_COLUMNS", "balance_with_parts", "begin_segment", "command", "parts_power", "volume_and_slope"]

@@ -1,0 +1,55 @@
+"""Owns the kernel's records: `Params`, everything constant in a run, and the layout of the planar state.
+
+| symbol in code | words | unit | frame |
+|---|---|---|---|
+| x, z, theta | position of the body origin, pitch | m, rad | world |
+| u, w, q | surge, heave, pitch rate | m/s, rad/s | body |
+| work_actuators, work_water | work done on the glider since the start | J | |
+| e | extension of each actuated part | m | along its axis |
+| mass_x, mass_z | first moments of mass about the origin | kg m | body |
+| volume_x, volume_z | first moments of displaced volume | m4 | body |
+| a11 ... a55 | planar added mass (surge 1, heave 3, pitch 5) | kg, kg m, kg m2 | body |
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+X, Z, THETA, U, W, Q, WORK_ACTUATORS, WORK_WATER = range(8)
+EXTENSIONS = 8
+"""Index of the first extension in the state."""
+
+_BODY_FIELDS = (
+    "gravity", "density", "bed_depth",
+    "mass", "mass_x", "mass_z", "inertia_yy",
+    "volume", "volume_x", "volume_z",
+    "a11", "a13", "a15", "a33", "a35", "a55", "munk_in_table",
+    "d11", "d33", "d55",
+    "force_scale", "reference_x", "reference_z", "lookup_scale",
+)  # fmt: skip
+BODY = np.dtype([(name, np.float64) for name in _BODY_FIELDS])
+"""Scalars of the run. Masses, moments and volumes are those of all parts that do not move."""
+
+_PART_REALS = (
+    "axis_x", "axis_z", "neutral", "stop_low", "stop_high", "rate", "inverse_lag",
+    "moving_mass", "moving_x", "moving_z",
+    "x", "z", "core_volume", "grows",
+)  # fmt: skip
+_PART_INTEGERS = ("law_start", "law_count", "command_start", "command_count")
+PART = np.dtype([(n, np.float64) for n in _PART_REALS] + [(n, np.int64) for n in _PART_INTEGERS])
+"""One actuated part: its axis, stops, actuator, the mass that slides, and the cell that grows about (x, z)."""
+
+
+class Params(NamedTuple):
+    """Everything constant in a run; C-ordered, writable arrays of one exact type, so that one signature is compiled."""
+
+    body: NDArray[np.void]  # (1,) of BODY
+    parts: NDArray[np.void]  # (actuated parts,) of PART
+    volume_law: NDArray[np.float64]  # (pieces, 5): extension where it begins, c0..c3 of V in powers of (e - begin)
+    commands: NDArray[np.float64]  # (rows, 3): time, value, slope of the commanded extension from then on
+    table: NDArray[np.float64]  # (pieces + 1, 1 + 3 n): alpha where it begins, then n coefficients of L, D, M
+    lookup: NDArray[np.int64]  # (buckets,): piece at the lower edge of each equal bucket of alpha over [-pi, pi]
+    error_scale: NDArray[np.float64]  # (state,): what an error of `tolerance` means in each state

@@ -1,0 +1,145 @@
+"""Owns the planar equations of motion, as a column of verbs over small functions of scalars.
+
+Body axes: P = (M_RB + A) [u, w, q] and (M_RB + A) nu' + [q P_z, -q P_x, w P_x - u P_z] = forces, which is Eq. 5 of
+Canete et al. (their M, V, G with V from the kinetic energy of the added mass too) written about the body origin.
+"""
+
+from __future__ import annotations
+
+import math
+
+from models.kernel.actuators import balance_with_parts, parts_power
+from models.kernel.jit import compiled, inlined
+from models.kernel.params import EXTENSIONS, THETA, WORK_ACTUATORS, WORK_WATER, Q, U, W, X, Z
+from models.kernel.scalar import TINY, atan2, sincos
+
+
+@inlined
+def find_piece(alpha, p):  # type: ignore[no-untyped-def]
+    """Return the index of the table's piece that holds alpha in [-pi, pi]."""
+    bucket = int((alpha + math.pi) * p.body[0].lookup_scale)
+    bucket = min(max(bucket, 0), p.lookup.shape[0] - 1)
+    k = p.lookup[bucket]
+    return k + 1 if alpha >= p.table[k + 1, 0] else k
+
+
+@inlined
+def evaluate_law(alpha, p):  # type: ignore[no-untyped-def]
+    """Return lift, drag and moment per squared speed at angle of attack alpha (rad)."""
+    k = min(find_piece(alpha, p), p.table.shape[0] - 2)
+    row = p.table[k]
+    s = alpha - row[0]
+    n = (row.shape[0] - 1) // 3
+    lift = 0.0
+    drag = 0.0
+    moment = 0.0
+    for j in range(n, 4, -1):
+        lift = lift * s + row[j]
+        drag = drag * s + row[n + j]
+        moment = moment * s + row[2 * n + j]
+    for j in range(4, 0, -1):
+        lift = lift * s + row[j]
+        drag = drag * s + row[n + j]
+        moment = moment * s + row[2 * n + j]
+    return lift, drag, moment
+
+
+@inlined
+def hydrodynamics(u, w, p):  # type: ignore[no-untyped-def]
+    """Return lift, drag, moment about the origin (N, N, N m), X, Z (N), alpha (rad) and speed (m/s)."""
+    b = p.body[0]
+    v2 = u * u + w * w
+    speed = math.sqrt(v2)
+    ca = u / (speed + TINY)
+    sa = w / (speed + TINY)
+    alpha = atan2(w, u)
+    lift, drag, moment = evaluate_law(alpha, p)
+    scale = b.force_scale * v2
+    lift *= scale
+    drag *= scale
+    X_h = -drag * ca + lift * sa
+    Z_h = -drag * sa - lift * ca
+    moment = moment * scale + b.reference_z * X_h - b.reference_x * Z_h
+    return lift, drag, moment, X_h, Z_h, alpha, speed
+
+
+@inlined
+def munk_excess(u, w, b):  # type: ignore[no-untyped-def]
+    """Return the Munk moment that the table and the added mass would both count, N m (0 where only one does)."""
+    return b.munk_in_table * ((b.a33 - b.a11) * u * w + b.a13 * (u * u - w * w))
+
+
+@inlined
+def solve_symmetric(m11, m12, m13, m22, m23, m33, r1, r2, r3):  # type: ignore[no-untyped-def]
+    """Solve the symmetric positive definite 3x3 system by elimination without pivoting."""
+    f12 = m12 / m11
+    f13 = m13 / m11
+    s22 = m22 - f12 * m12
+    s23 = m23 - f12 * m13
+    s33 = m33 - f13 * m13
+    y2 = r2 - f12 * r1
+    f23 = s23 / s22
+    x3 = (r3 - f13 * r1 - f23 * y2) / (s33 - f23 * s23)
+    x2 = (y2 - s23 * x3) / s22
+    return (r1 - m12 * x2 - m13 * x3) / m11, x2, x3
+
+
+@compiled
+def derivative(t, y, p, drive, dy):  # type: ignore[no-untyped-def]
+    """Write dy/dt into `dy`: kinematics, accelerations, work rates, extension rates.
+
+    `y`, `dy` are states (params.py); `drive` says how each part moves in this segment (actuators.py).
+    """
+    b = p.body[0]
+    u, w, q = y[U], y[W], y[Q]
+    s, c = sincos(y[THETA])
+    mass_x, mass_z, inertia, volume, volume_x, volume_z = balance_with_parts(y, p)
+    _lift, _drag, moment, X_h, Z_h, _alpha, _speed = hydrodynamics(u, w, p)
+    moment -= munk_excess(u, w, b)
+    X_w = X_h - b.d11 * u
+    Z_w = Z_h - b.d33 * w
+    M_w = moment - b.d55 * q
+
+    heaviness = b.gravity * (b.mass - b.density * volume)
+    X_total = X_w - s * heaviness
+    Z_total = Z_w + c * heaviness
+    arm_x = mass_x - b.density * volume_x
+    arm_z = mass_z - b.density * volume_z
+    M_total = M_w - b.gravity * (arm_z * s + arm_x * c)
+
+    m15 = mass_z + b.a15
+    m35 = b.a35 - mass_x
+    P_x = (b.mass + b.a11) * u + b.a13 * w + m15 * q
+    P_z = b.a13 * u + (b.mass + b.a33) * w + m35 * q
+    du, dw, dq = solve_symmetric(
+        b.mass + b.a11, b.a13, m15, b.mass + b.a33, m35, inertia + b.a55,
+        X_total - q * P_z, Z_total + q * P_x, M_total - (w * P_x - u * P_z),
+    )  # fmt: skip
+
+    dy[X] = c * u + s * w
+    dy[Z] = -s * u + c * w
+    dy[THETA] = q
+    dy[U] = du
+    dy[W] = dw
+    dy[Q] = dq
+    dy[WORK_WATER] = u * X_w + w * Z_w + q * M_w
+    dy[WORK_ACTUATORS] = parts_power(t, y, p, drive, dy, s, c)
+
+
+@compiled
+def energies(y, p):  # type: ignore[no-untyped-def]
+    """Return the kinetic energy (with the added mass) and the potential energy of a state, J."""
+    b = p.body[0]
+    u, w, q = y[U], y[W], y[Q]
+    s, c = sincos(y[THETA])
+    mass_x, mass_z, inertia, volume, volume_x, volume_z = balance_with_parts(y, p)
+    kinetic = 0.5 * ((b.mass + b.a11) * u * u + (b.mass + b.a33) * w * w + (inertia + b.a55) * q * q)
+    kinetic += b.a13 * u * w + (mass_z + b.a15) * u * q + (b.a35 - mass_x) * w * q
+    net_mass = b.mass - b.density * volume
+    net_x = mass_x - b.density * volume_x
+    net_z = mass_z - b.density * volume_z
+    potential = -b.gravity * (net_mass * y[Z] - s * net_x + c * net_z)
+    return kinetic, potential
+
+
+__all__ = ["EXTENSIONS", "derivative", "energies", "evaluate_law", "find_piece", "hydrodynamics", "munk_excess"]

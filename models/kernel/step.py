@@ -1,0 +1,113 @@
+"""Owns one step of each method, and the polynomial between its ends. Both leave y1 and the polynomial's coefficients.
+
+Arrays of a run: `k` (7, n) slopes, `y1` (n,) new state, `dense` (4, n) with y(t + s h) = y + s (d0 + s (d1 + s (d2 + s d3))).
+"""
+
+from __future__ import annotations
+
+import math
+
+from models.kernel import tableau
+from models.kernel.jit import compiled, inlined
+from models.kernel.planar import derivative
+
+A = tableau.A
+C = tableau.C
+D = tableau.D
+E = tableau.E
+
+
+@compiled
+def rk4_step(t, h, y, y1, k, p, drive):  # type: ignore[no-untyped-def]
+    """Advance by the classical Runge-Kutta method; needs the slope at (t, y) in k[0], leaves that at the end in k[4]."""
+    n = y.shape[0]
+    half = 0.5 * h
+    for j in range(n):
+        y1[j] = y[j] + half * k[0, j]
+    derivative(t + half, y1, p, drive, k[1])
+    for j in range(n):
+        y1[j] = y[j] + half * k[1, j]
+    derivative(t + half, y1, p, drive, k[2])
+    for j in range(n):
+        y1[j] = y[j] + h * k[2, j]
+    derivative(t + h, y1, p, drive, k[3])
+    sixth = h / 6.0
+    for j in range(n):
+        y1[j] = y[j] + sixth * (k[0, j] + 2.0 * (k[1, j] + k[2, j]) + k[3, j])
+    derivative(t + h, y1, p, drive, k[4])
+
+
+@compiled
+def pair_step(t, h, y, y1, k, p, drive):  # type: ignore[no-untyped-def]
+    """Advance by Dormand-Prince 5(4); return the largest scaled error (1 is `tolerance`). The last slope is k[6]."""
+    n = y.shape[0]
+    for i in range(1, 7):
+        for j in range(n):
+            y1[j] = A[i, 0] * k[0, j]
+        for m in range(1, i):
+            a = A[i, m]
+            for j in range(n):
+                y1[j] += a * k[m, j]
+        for j in range(n):
+            y1[j] = y[j] + h * y1[j]
+        derivative(t + C[i] * h, y1, p, drive, k[i])
+    worst = 0.0
+    for j in range(n):
+        error = E[0] * k[0, j]
+        for m in range(2, 7):
+            error += E[m] * k[m, j]
+        error = abs(h * error) / p.error_scale[j]
+        if not error <= worst:  # a NaN is the worst error of all
+            worst = error
+    return worst
+
+
+@inlined
+def hermite(h, y, y1, k, last, dense):  # type: ignore[no-untyped-def]
+    """Set `dense` to the cubic through both states with both slopes."""
+    for j in range(y.shape[0]):
+        rise = y1[j] - y[j]
+        start = h * k[0, j]
+        finish = h * k[last, j]
+        dense[0, j] = start
+        dense[1, j] = 3.0 * rise - 2.0 * start - finish
+        dense[2, j] = start + finish - 2.0 * rise
+        dense[3, j] = 0.0
+
+
+@compiled
+def make_dense(pair, h, y, y1, k, dense):  # type: ignore[no-untyped-def]
+    """Set the polynomial of the step just taken."""
+    if not pair:
+        hermite(h, y, y1, k, 4, dense)
+        return
+    for r in range(4):
+        for j in range(y.shape[0]):
+            total = 0.0
+            for m in range(7):
+                total += D[m, r] * k[m, j]
+            dense[r, j] = h * total
+
+
+@inlined
+def interpolate_one(s, y, dense, j):  # type: ignore[no-untyped-def]
+    """Return state j at the fraction s of the step."""
+    return y[j] + s * (dense[0, j] + s * (dense[1, j] + s * (dense[2, j] + s * dense[3, j])))
+
+
+@compiled
+def interpolate(s, y, dense, out):  # type: ignore[no-untyped-def]
+    """Write the state at the fraction s of the step into `out`."""
+    for j in range(y.shape[0]):
+        out[j] = interpolate_one(s, y, dense, j)
+
+
+@inlined
+def next_factor(error, previous):  # type: ignore[no-untyped-def]
+    """Return by how much to change the step: a PI controller (Hairer, Norsett, Wanner, 1993, II.4), 0.2 to 5."""
+    if not math.isfinite(error):
+        return 0.1
+    if error == 0.0:
+        return 5.0
+    factor = 0.9 * math.pow(error, -0.17) * math.pow(previous, 0.04)
+    return min(5.0, max(0.2, factor))

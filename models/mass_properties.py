@@ -1,0 +1,166 @@
+"""Owns mass, centre of mass, inertia, displaced volume and centre of buoyancy as functions of the extensions.
+
+Body axes, SI units. Written apart from the kernel, so that tests can hold one against the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.components import Component, Inertia, MovableMass, Rigid
+from models.design import DeclaredMass, Design, Vehicle
+from models.problems import DesignError, Problem, pointer_to
+from models.volumes import core_volume, grows_along_axis, unit_axis, volume
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MassBalance:
+    """How the vehicle weighs and floats at given extensions.
+
+    `center_of_mass`, `center_of_buoyancy` (3,) m; `inertia` (3, 3) kg m2 about the centre of mass; `volume` m3.
+    """
+
+    mass: float
+    center_of_mass: Array
+    inertia: Array
+    volume: float
+    center_of_buoyancy: Array
+
+    @property
+    def inertia_about_origin(self) -> Array:
+        """Inertia about the body origin, (3, 3) kg m2."""
+        return self.inertia + self.mass * point_inertia(self.center_of_mass)
+
+    def net_buoyancy(self, density: float, gravity: float) -> float:
+        """Return buoyancy minus weight, N; positive rises."""
+        return gravity * (density * self.volume - self.mass)
+
+
+def point_inertia(r: Array) -> Array:
+    """Return the inertia of a unit point mass at r (3,) about the origin, (3, 3) m2."""
+    return np.asarray(np.dot(r, r) * np.eye(3) - np.outer(r, r), dtype=np.float64)
+
+
+def inertia_matrix(inertia: Inertia) -> Array:
+    """Return the tensor as a matrix (3, 3), kg m2."""
+    return np.array(
+        [
+            [inertia.xx, inertia.xy, inertia.xz],
+            [inertia.xy, inertia.yy, inertia.yz],
+            [inertia.xz, inertia.yz, inertia.zz],
+        ]
+    )
+
+
+def initial_extensions(design: Design) -> dict[str, float]:
+    """Return the extension of every moving component at time zero, before any command, m."""
+    given = design.mission.initial.extensions
+    return {c.name: given.get(c.name, c.neutral) for _, c in design.vehicle.actuated}
+
+
+def component_center_of_mass(component: Component, extension: float) -> Array:
+    """Return a component's centre of mass at an extension, (3,) m."""
+    home = np.array(component.center_of_mass or component.position)
+    if isinstance(component, MovableMass):
+        return np.asarray(home + (extension - component.neutral) * unit_axis(component), dtype=np.float64)
+    return home
+
+
+def component_center_of_buoyancy(component: Component, extension: float) -> Array:
+    """Return a component's centre of buoyancy at an extension, (3,) m."""
+    position = np.array(component.position)
+    if isinstance(component, Rigid | MovableMass) or not grows_along_axis(component):
+        return position
+    total = volume(component, extension)
+    stack = total - core_volume(component)
+    share = stack / total if total > 0.0 else 0.0
+    travel = extension - component.neutral
+    return np.asarray(position + 0.5 * travel * share * unit_axis(component), dtype=np.float64)
+
+
+def mass_balance(vehicle: Vehicle, extensions: Mapping[str, float] | None = None) -> MassBalance:
+    """Compose the components at the given extensions (m, by name; neutral where not named).
+
+    m = sum m_i; r_G = sum m_i r_i / m; I_O = sum (I_i - m_i S(r_i)^2), then moved to the centre of mass.
+    Declared mass properties replace the first three.
+    """
+    given = extensions or {}
+    e = {c.name: given.get(c.name, c.neutral) for _, c in vehicle.actuated}
+    total_volume, volume_moment = 0.0, np.zeros(3)
+    mass, mass_moment, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
+    for component in vehicle.components:
+        extension = e.get(component.name, 0.0)
+        V = volume(component, extension)
+        total_volume += V
+        volume_moment += V * component_center_of_buoyancy(component, extension)
+        r = component_center_of_mass(component, extension)
+        mass += component.mass
+        mass_moment += component.mass * r
+        inertia += inertia_matrix(component.inertia) + component.mass * point_inertia(r)
+    center = mass_moment / mass if mass > 0.0 else np.zeros(3)
+    inertia = inertia - mass * point_inertia(center)
+    declared = vehicle.mass_properties
+    if isinstance(declared, DeclaredMass):
+        mass, center, inertia = declared.mass, np.array(declared.center_of_mass), inertia_matrix(declared.inertia)
+    buoyancy_center = volume_moment / total_volume if total_volume > 0.0 else np.zeros(3)
+    return MassBalance(mass, center, inertia, total_volume, buoyancy_center)
+
+
+@dataclass(frozen=True)
+class BallastChange:
+    """What `trim_ballast` changed."""
+
+    component: str
+    pointer: str
+    before: float
+    after: float
+
+    def __str__(self) -> str:
+        return (
+            f"volume of '{self.component}' changed from {self.before * 1e6:.3f} to {self.after * 1e6:.3f} cm3 "
+            f"({(self.after - self.before) * 1e6:+.3f} cm3): neutral with every cell at its neutral extension"
+        )
+
+
+def trim_ballast(design: Design, component: str | None = None) -> tuple[Design, BallastChange]:
+    """Set one rigid component's volume so that the glider is neutral with every cell at its neutral extension.
+
+    `component` names the body or ballast to change; by default it is the rigid one with the largest volume.
+
+    Raises
+    ------
+    DesignError
+        Where there is no such rigid component, or the volume would have to be negative.
+    """
+    vehicle = design.vehicle
+    rigid = [(i, c) for i, c in enumerate(vehicle.components) if isinstance(c, Rigid)]
+    if component is not None:
+        rigid = [(i, c) for i, c in rigid if c.name == component]
+    if not rigid:
+        wanted = f"named '{component}'" if component else "to take the ballast"
+        raise DesignError([Problem("/vehicle/components", f"there is no rigid component {wanted}", hint="add one")])
+    index, body = max(rigid, key=lambda item: item[1].volume)
+    balance = mass_balance(vehicle)
+    needed = balance.mass / design.mission.environment.water.density - (balance.volume - body.volume)
+    pointer = pointer_to("vehicle", "components", index, "volume")
+    if needed < 0.0:
+        raise DesignError(
+            [
+                Problem(
+                    pointer,
+                    f"'{body.name}' would need a volume of {needed:.6g} m3: the other parts displace more than the mass",
+                    limit=0.0,
+                    hint="add mass, or make the cells smaller",
+                )
+            ]
+        )
+    trimmed = body.model_copy(update={"volume": needed})
+    components = (*vehicle.components[:index], trimmed, *vehicle.components[index + 1 :])
+    changed = design.model_copy(update={"vehicle": vehicle.model_copy(update={"components": components})})
+    return changed, BallastChange(body.name, pointer, body.volume, needed)

@@ -1,0 +1,111 @@
+"""Owns how wrong input is told: a JSON Pointer, a message with the value, the bound, and the way out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from pydantic import ValidationError
+
+LONGEST_ECHO = 60
+BOUNDS = ("ge", "gt", "le", "lt", "min_length", "max_length", "multiple_of", "pattern", "expected")
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong with a document.
+
+    `pointer` is an RFC 6901 JSON Pointer ("" is the whole document), `limit` the bound that was broken, `hint` the way out.
+    """
+
+    pointer: str
+    message: str
+    limit: float | int | str | None = None
+    hint: str | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the problem as a JSON object."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        parts = f"{self.pointer or '/'}: {self.message}"
+        return f"{parts} ({self.hint})" if self.hint else parts
+
+
+class DesignError(ValueError):
+    """A document cannot be used as it is; `problems` says why, field by field."""
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems: tuple[Problem, ...] = tuple(problems)
+        super().__init__("; ".join(str(problem) for problem in self.problems))
+
+
+def escape(token: object) -> str:
+    """Escape one reference token of a JSON Pointer (RFC 6901)."""
+    return str(token).replace("~", "~0").replace("/", "~1")
+
+
+def pointer_to(*tokens: object) -> str:
+    """Join tokens to a JSON Pointer."""
+    return "".join("/" + escape(token) for token in tokens)
+
+
+def echo(value: Any) -> str:
+    """Return a short, finite rendering of a value a user gave."""
+    if isinstance(value, dict | list | tuple):
+        return f"{type(value).__name__} of {len(value)}"
+    rendered = repr(value)
+    return rendered if len(rendered) <= LONGEST_ECHO else rendered[: LONGEST_ECHO - 1] + "…"
+
+
+def _path(location: Sequence[int | str], document: Any) -> list[int | str]:
+    """Drop the tags that pydantic adds for unions, by walking the document alongside."""
+    path: list[int | str] = []
+    node = document
+    for k, token in enumerate(location):
+        last = k == len(location) - 1
+        if isinstance(node, dict) and token in node:
+            node = node[token]
+        elif isinstance(node, list | tuple) and isinstance(token, int) and token < len(node):
+            node = node[token]
+        elif not (last and isinstance(node, dict)) or token in (node.get("kind"), "[key]"):
+            continue
+        path.append(token)
+    return path
+
+
+def _limit(context: dict[str, Any]) -> float | int | str | None:
+    for name in BOUNDS:
+        bound = context.get(name)
+        if isinstance(bound, float) and not math.isfinite(bound):
+            continue
+        if isinstance(bound, float | int | str):
+            return bound
+    return None
+
+
+def _hint(kind: str, context: dict[str, Any]) -> str | None:
+    if kind == "extra_forbidden":
+        return "remove it or check its spelling"
+    if kind == "missing":
+        return "add this field"
+    if kind in {"union_tag_invalid", "union_tag_not_found"}:
+        return f"use one of {context.get('expected_tags', 'the kinds in the schema')}"
+    if kind in {"finite_number", "float_type", "int_type"}:
+        return "give a finite number"
+    return None
+
+
+def problems_from_validation(error: ValidationError, document: Any) -> list[Problem]:
+    """Translate pydantic's errors into problems with JSON Pointers into the document."""
+    problems = []
+    for item in error.errors(include_url=False):
+        context = item.get("ctx", {})
+        message = item["msg"].removeprefix("Value error, ")
+        if item["type"] not in {"missing", "value_error", "extra_forbidden"}:
+            message = f"{message}, not {echo(item['input'])}"
+        pointer = pointer_to(*_path(item["loc"], document))
+        problems.append(Problem(pointer, message, _limit(context), _hint(item["type"], context)))
+    return problems

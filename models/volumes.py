@@ -1,0 +1,63 @@
+"""Owns the volume laws of cells as piecewise cubics in the extension, for the kernel and for the mass properties alike."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from models.components import Actuated, Bellows, Bladder, Component, MovableMass, Piston, Rigid
+
+Array = NDArray[np.float64]
+
+
+def volume_law(component: Actuated) -> Array:
+    """Return the volume law of a component: rows of extension where a piece begins (m), then c0..c3 (m3, m2, m, 1).
+
+    V(e) = c0 + c1 h + c2 h^2 + c3 h^3 with h = e - begin. A movable mass displaces nothing.
+    """
+    match component:
+        case Bellows():
+            return np.array([[0.0, component.core_volume, component.section, 0.0, 0.0]])
+        case Piston():
+            return np.array([[0.0, component.volume, component.area, 0.0, 0.0]])
+        case Bladder():
+            cubic = PchipInterpolator(component.extensions, component.volumes)
+            return np.column_stack([cubic.x[:-1], cubic.c[::-1].T])
+        case MovableMass():
+            return np.zeros((1, 5))
+
+
+def core_volume(component: Actuated) -> float:
+    """Return the volume that stays centred at the component's position, m3.
+
+    The rest is the stack, whose centroid moves by half its growth; a bladder swells about its centre.
+    """
+    match component:
+        case Bellows():
+            return component.core_volume
+        case Piston():
+            return component.volume
+        case Bladder() | MovableMass():
+            return 0.0
+
+
+def grows_along_axis(component: Actuated) -> bool:
+    """Whether the stack's centroid moves along the axis as the cell extends."""
+    return isinstance(component, Bellows | Piston)
+
+
+def volume(component: Component, extension: float) -> float:
+    """Return the displaced volume of a component at an extension (ignored for rigid parts), m3."""
+    if isinstance(component, Rigid):
+        return component.volume
+    law = volume_law(component)
+    row = law[np.clip(np.searchsorted(law[:, 0], extension, side="right") - 1, 0, len(law) - 1)]
+    h = extension - row[0]
+    return float(row[1] + h * (row[2] + h * (row[3] + h * row[4])))
+
+
+def unit_axis(component: Actuated) -> Array:
+    """Return the component's axis scaled to length 1."""
+    axis = np.array(component.axis)
+    return np.asarray(axis / np.linalg.norm(axis), dtype=np.float64)

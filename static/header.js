@@ -1,0 +1,68 @@
+// The header: the design's name and state, undo and redo, open, save and export.
+
+import { readDesignFile } from "./api.js";
+import { $, setText } from "./dom.js";
+import { clockTime } from "./format.js";
+
+function savedText({ saved_at: savedAt, revision }) {
+  return savedAt ? `saved ${clockTime(savedAt)} · revision ${revision}` : `not saved · revision ${revision}`;
+}
+
+function show({ state, busy }) {
+  if (!state) return;
+  document.title = `${state.name} · Glider studio`;
+  setText($("name"), state.name);
+  $("name").title = state.name;
+  setText($("saved"), savedText(state));
+  setText($("hydrodynamics"), state.hydrodynamics ?? "");
+  $("hydrodynamics").title = `Hydrodynamics: ${state.hydrodynamics}`;
+  setText($("solver"), state.solver ?? "");
+  $("solver").title = `Solver: ${state.solver}`;
+  $("undo").disabled = !state.can_undo;
+  $("redo").disabled = !state.can_redo;
+  $("trim").disabled = busy > 0;
+  for (const id of ["export-csv", "export-nc"]) $(id).toggleAttribute("aria-disabled", !state.run);
+}
+
+function connectMenu() {
+  const menu = $("export");
+  const close = () => menu.removeAttribute("open");
+  document.addEventListener("pointerdown", (event) => menu.contains(event.target) || close());
+  menu.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape") return;
+    close();
+    menu.querySelector("summary").focus();
+  });
+  for (const link of menu.querySelectorAll("a")) {
+    link.addEventListener("click", (event) => (link.hasAttribute("aria-disabled") ? event.preventDefault() : close()));
+  }
+}
+
+function connectKeys(actions) {
+  document.addEventListener("keydown", (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    if (/^(INPUT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "range") return;
+    event.preventDefault();
+    if (event.shiftKey) actions.redo();
+    else actions.undo();
+  });
+}
+
+export function connectHeader({ store, actions }) {
+  store.watch(["state", "busy"], show);
+  $("undo").addEventListener("click", actions.undo);
+  $("redo").addEventListener("click", actions.redo);
+  $("open").addEventListener("click", () => $("file").click());
+  $("file").addEventListener("change", async () => {
+    const [file] = $("file").files;
+    $("file").value = "";
+    if (file) actions.open(() => readDesignFile(file));
+  });
+  $("trim").addEventListener("click", async () => {
+    setText($("trim-message"), "");
+    const answer = await actions.trim();
+    setText($("trim-message"), answer?.message ?? "");
+  });
+  connectMenu();
+  connectKeys(actions);
+}

@@ -1,0 +1,57 @@
+// The start page: presets as cards, each opened by a plain form; or a design file of one's own.
+
+import { createSession, getPresets, readDesignFile } from "./api.js";
+import { $, el } from "./dom.js";
+import { problemNodes } from "./problem.js";
+
+function card({ id, name, summary }) {
+  const image = el("img", { src: `presets/${encodeURIComponent(id)}.svg`, alt: "", loading: "lazy" });
+  image.addEventListener("error", () => image.remove());
+  const form = el("form", { method: "post", action: "sessions" },
+    el("input", { type: "hidden", name: "preset", value: id }),
+    el("button", { class: "btn primary", type: "submit", "aria-label": `Open ${name}`, "data-testid": `open-${id}` }, "Open"));
+  return el("li", { class: "card", "data-testid": `preset-${id}` },
+    el("figure", {}, image),
+    el("div", { class: "text" }, el("h3", {}, name), el("p", {}, summary ?? ""), form));
+}
+
+function note(text, action) {
+  $("note").hidden = text === "";
+  $("note").replaceChildren(text, ...(action ? [action] : []));
+}
+
+async function showPresets() {
+  note("Loading presets…");
+  try {
+    const { items } = await getPresets();
+    $("presets").replaceChildren(...items.map(card));
+    note(items.length ? "" : "No presets are installed. Open a design file to start.");
+  } catch (error) {
+    const retry = el("button", { class: "btn", type: "button", onclick: showPresets }, "Try again");
+    note(`The presets could not be loaded: ${error.message}.`, retry);
+  }
+  $("presets").setAttribute("aria-busy", "false");
+}
+
+function showProblem(problem) {
+  $("problem").hidden = problem === null;
+  $("problem").replaceChildren(...(problem ? problemNodes(problem) : []));
+}
+
+async function openFile(file) {
+  showProblem(null);
+  $("open").disabled = true;
+  try {
+    const { url } = await createSession(await readDesignFile(file));
+    location.assign(url);
+  } catch (error) {
+    showProblem(error.problem ?? { title: error.message });
+  } finally {
+    $("open").disabled = false;
+    $("file").value = "";
+  }
+}
+
+$("open").addEventListener("click", () => $("file").click());
+$("file").addEventListener("change", () => $("file").files[0] && openFile($("file").files[0]));
+showPresets();

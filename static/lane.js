@@ -1,0 +1,216 @@
+// One cell's lane: its command (wide, pale), its actual extension (thin), and points to drag.
+
+import { el, setText, svg, swatch } from "./dom.js";
+import { fixed, millimetres } from "./format.js";
+import { clamp, timeRange } from "./schedule.js";
+import { at, commandCorners, extent, locate } from "./series.js";
+
+export const LANE_HEIGHT = 38;
+const PAD = 8;
+const SMALLEST_SHARE = 0.2; // of the whole stroke: below that a lane would show noise
+const CLICK_SLOP = 3; // pixels a press may wander and still be a click
+
+const attributes = (node, values) => {
+  for (const [name, value] of Object.entries(values)) node.setAttribute(name, value);
+};
+
+export class Lane {
+  // hooks: onDrag(lane, k, point), onOpen, onAdd, onRemove, onSelect, onSeek
+  constructor(scale, hooks) {
+    Object.assign(this, { scale, hooks, draft: null, dragging: null, circles: [], outstanding: 0, until: 0 });
+    this.back = svg("rect", { class: "lane-back", rx: 3 });
+    this.high = svg("text", { class: "lane-limit" });
+    this.low = svg("text", { class: "lane-limit" });
+    this.command = svg("path", { class: "command" });
+    this.actual = svg("path", { class: "actual" });
+    this.dots = svg("g", {});
+    this.svg = svg("svg", { class: "lane", role: "group" }, this.back, this.high, this.low, this.command, this.actual, this.dots);
+    this.name = el("button", { type: "button", class: "lane-name", onclick: () => hooks.onSelect(this) });
+    this.value = el("output", { class: "lane-value" });
+    this.root = el("div", { class: "row lane-row" }, el("div", { class: "label" }, this.name, this.value), this.svg);
+    this.svg.addEventListener("dblclick", (event) => this.addAt(event));
+    this.svg.addEventListener("click", (event) => event.target.closest(".dot") || hooks.onSeek(scale.t(this.offset(event)[0])));
+  }
+
+  update(schedule, component, { run, revision }) {
+    Object.assign(this, { schedule, component, run, revision });
+    this.cell = run?.cells.find((c) => c.name === schedule.cell) ?? null;
+    if (this.settled) this.draft = null;
+    this.root.style.setProperty("--cell", schedule.color);
+    this.root.dataset.testid = `lane-${schedule.cell}`;
+    attributes(this.name, { title: `${schedule.cell}: show in the editor` });
+    this.name.replaceChildren(swatch(schedule.color), schedule.cell);
+    attributes(this.svg, { "aria-label": `${schedule.cell} schedule. Double-click adds a point.` });
+    this.draw();
+  }
+
+  get points() {
+    if (!this.draft) return this.schedule.points;
+    return this.schedule.points.map((p, k) => (k === this.draft.k ? this.draft.point : p));
+  }
+
+  startValue() {
+    return this.cell?.command[0] ?? this.component?.extension_neutral ?? 0;
+  }
+
+  // The stroke in use fills the lane (strokes are a millimetre or two); the numbers at the left say which.
+  range() {
+    if (this.dragging) return this.dragging.range;
+    const { extension_min: low, extension_max: high } = this.component ?? {};
+    const used = [this.startValue(), ...this.schedule.points.map((p) => p.extension), ...(this.cell ? extent(this.cell.extension) : [])];
+    const [a, b] = extent(used);
+    const whole = (high ?? b) - (low ?? a);
+    const half = Math.max((b - a) * 0.6, whole * SMALLEST_SHARE * 0.5, 1e-4);
+    const middle = clamp((a + b) / 2, (low ?? -Infinity) + half, (high ?? Infinity) - half);
+    return [clamp(middle - half, low, high), clamp(middle + half, low, high)];
+  }
+
+  draw() {
+    const { scale } = this;
+    const [low, high] = (this.shown = this.range());
+    this.y = (e) => LANE_HEIGHT - PAD - ((e - low) / (high - low || 1)) * (LANE_HEIGHT - 2 * PAD);
+    attributes(this.svg, { width: scale.width, height: LANE_HEIGHT, viewBox: `0 0 ${scale.width} ${LANE_HEIGHT}` });
+    attributes(this.back, { x: scale.x(0), y: 2, width: scale.span, height: LANE_HEIGHT - 4 });
+    const digits = high - low < 0.002 ? 2 : 1;
+    attributes(this.high, { x: scale.x(0) - 6, y: 13 });
+    attributes(this.low, { x: scale.x(0) - 6, y: LANE_HEIGHT - 5 });
+    setText(this.high, millimetres(high, digits));
+    setText(this.low, millimetres(low, digits));
+    const corners = commandCorners(this.points, this.startValue(), scale.duration);
+    this.command.setAttribute("d", this.pathOf(corners.map((c) => c[0]), corners.map((c) => c[1])));
+    this.actual.setAttribute("d", this.cell ? this.pathOf(this.run.columns.t, this.cell.extension) : "");
+    this.drawPoints();
+  }
+
+  pathOf(times, values) {
+    let d = "";
+    for (let i = 0; i < times.length; i += 1) {
+      d += `${i ? "L" : "M"}${this.scale.x(times[i]).toFixed(1)} ${this.y(values[i]).toFixed(2)}`;
+    }
+    return d;
+  }
+
+  // Circles are kept while their number allows: a rebuilt one would lose focus and the pointer's capture.
+  drawPoints() {
+    const { points } = this;
+    while (this.circles.length > points.length) this.circles.pop().remove();
+    while (this.circles.length < points.length) this.circles.push(this.makePoint(this.circles.length));
+    points.forEach((point, k) => {
+      const words = point.shape === "ramp" ? "ramp up to" : "step at";
+      attributes(this.circles[k], {
+        cx: this.scale.x(point.time), cy: this.y(point.extension),
+        "data-testid": `point-${this.schedule.cell}-${k}`,
+        "aria-label": `${this.schedule.cell} point ${k + 1}: ${words} ${fixed(point.time, 2)} s, ${millimetres(point.extension)} mm`,
+      });
+    });
+  }
+
+  makePoint(k) {
+    const dot = svg("circle", { class: "dot", r: 5.5, tabindex: 0, role: "button", "aria-haspopup": "dialog" });
+    dot.addEventListener("pointerdown", (event) => event.button === 0 && this.press(event, k));
+    dot.addEventListener("pointermove", (event) => this.move(event));
+    dot.addEventListener("pointerup", () => this.release(true));
+    dot.addEventListener("pointercancel", () => this.release(false));
+    dot.addEventListener("dblclick", (event) => event.stopPropagation());
+    dot.addEventListener("contextmenu", (event) => {
+      event.preventDefault();
+      this.hooks.onRemove(this, k);
+    });
+    dot.addEventListener("keydown", (event) => this.key(event, k));
+    this.dots.append(dot);
+    return dot;
+  }
+
+  offset(event) {
+    const box = this.svg.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  }
+
+  valueAt(y) {
+    const [low, high] = this.shown;
+    return low + ((LANE_HEIGHT - PAD - y) / (LANE_HEIGHT - 2 * PAD)) * (high - low);
+  }
+
+  // Tenths of a second and of a millimetre unless Alt asks for all the digits.
+  snapped(time, extension, free) {
+    const e = free ? extension : Math.round(extension * 1e4) / 1e4;
+    return [free ? time : Math.round(time * 10) / 10, clamp(e, this.component?.extension_min, this.component?.extension_max)];
+  }
+
+  press(event, k) {
+    event.target.setPointerCapture(event.pointerId);
+    const [x, y] = this.offset(event);
+    const point = this.schedule.points[k];
+    this.dragging = { k, x, y, moved: false, range: this.shown, dx: this.scale.x(point.time) - x, dy: this.y(point.extension) - y };
+  }
+
+  move(event) {
+    const drag = this.dragging;
+    if (!drag) return;
+    const [x, y] = this.offset(event);
+    if (!drag.moved && Math.hypot(x - drag.x, y - drag.y) < CLICK_SLOP) return;
+    drag.moved = true;
+    const [time, extension] = this.snapped(this.scale.t(x + drag.dx), this.valueAt(y + drag.dy), event.altKey);
+    this.moveTo(drag.k, time, extension);
+  }
+
+  moveTo(k, time, extension) {
+    const base = this.schedule.points[k];
+    const point = { ...base, time: clamp(time, ...timeRange(this.schedule.points, k, this.scale.duration)), extension };
+    this.draft = { k, point };
+    this.draw();
+    this.hooks.onDrag(this, k, point);
+  }
+
+  release(keep) {
+    const drag = this.dragging;
+    if (!drag) return;
+    this.dragging = null;
+    if (!drag.moved && keep) this.hooks.onOpen(this, drag.k, this.circles[drag.k]);
+  }
+
+  // A dragged point stays where it was put until a state as new as its last edit has come.
+  get settled() {
+    return !this.dragging && this.outstanding === 0 && this.revision >= this.until;
+  }
+
+  async sent(answer) {
+    this.outstanding += 1;
+    const revision = await answer.then((done) => done?.revision, () => undefined);
+    this.outstanding -= 1;
+    this.until = Math.max(this.until, revision ?? 0);
+    if (!this.settled) return;
+    this.draft = null;
+    this.draw();
+  }
+
+  key(event, k) {
+    const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 1e-4], ArrowDown: [0, -1e-4] }[event.key];
+    if (step) {
+      const now = this.points[k];
+      const [time, extension] = this.snapped(now.time + step[0], now.extension + step[1], event.altKey);
+      this.moveTo(k, time, extension);
+    } else if (event.key === "Enter" || event.key === " ") this.hooks.onOpen(this, k, this.circles[k]);
+    else if (event.key === "Delete" || event.key === "Backspace") this.hooks.onRemove(this, k);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  addAt(event) {
+    const [x, y] = this.offset(event);
+    const [time, extension] = this.snapped(this.scale.t(x), this.valueAt(y), event.altKey);
+    this.hooks.onAdd(this, { time, extension, shape: "step" });
+  }
+
+  showTime(t) {
+    const e = this.cell ? at(this.cell.extension, locate(this.run.columns.t, t)) : this.startValue();
+    setText(this.value, `${millimetres(e)} mm`);
+  }
+
+  describe(t) {
+    if (!this.cell) return [];
+    const place = locate(this.run.columns.t, t);
+    return [["Command", `${millimetres(at(this.cell.command, place))} mm`], ["Actual", `${millimetres(at(this.cell.extension, place))} mm`]];
+  }
+}

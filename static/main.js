@@ -1,0 +1,72 @@
+// Wires the studio page: one store, one clock, and the views that follow them.
+
+import { postClock } from "./api.js";
+import { Clock } from "./clock.js";
+import { $ } from "./dom.js";
+import { connectHeader } from "./header.js";
+import { connectNotices } from "./notices.js";
+import { connectOverlays } from "./overlays.js";
+import { connectReadouts } from "./readouts.js";
+import { largestForce, sceneAt, visibility } from "./scene.js";
+import { createActions, follow } from "./session.js";
+import { createStore } from "./store.js";
+import { Timeline } from "./timeline.js";
+import { connectTransport, pressKey } from "./transport.js";
+import { Viewer } from "./viewer.js";
+
+const store = createStore({
+  state: null,
+  connected: true,
+  viewerLinked: true,
+  busy: 0,
+  rejected: null,
+  rejectedHere: false,
+  view: { follow: true, forces: true, centers: true, path: true, exaggeration: 10, camera: null },
+});
+const clock = new Clock();
+const actions = createActions(store);
+
+const viewer = new Viewer($("view"), {
+  visibilityOf: (name) => visibility(name, store.get("view")),
+  onDock: (left) => document.documentElement.style.setProperty("--dock", `${left}px`),
+  onLink: (viewerLinked) => store.set({ viewerLinked }),
+  onKey: (event) => event.key === " " && pressKey(event, clock),
+  postClock,
+});
+
+let largest = 0;
+function showScene() {
+  const state = store.get("state");
+  if (!state?.run) return;
+  const { follow: following, exaggeration } = store.get("view");
+  viewer.show(sceneAt(state, clock.t, { follow: following, exaggeration, largest }), clock.t);
+}
+
+store.watch(["state"], ({ state }) => {
+  if (!state) return;
+  largest = state.run ? largestForce(state.run.columns) : 0;
+  $("scrub").max = String(state.duration);
+  clock.setEnd(state.run?.columns.t.at(-1) ?? 0);
+});
+store.watch(["view"], () => {
+  showScene();
+  viewer.check();
+});
+clock.watch(showScene);
+
+connectHeader({ store, actions });
+connectNotices({ store, select: actions.select });
+connectOverlays({ store, setCamera: actions.camera });
+connectReadouts({ store, clock });
+connectTransport(clock);
+const timeline = new Timeline({ store, clock, actions });
+follow(store);
+
+// For tests: what the page knows, and how often it moved the scene.
+window.__studio = {
+  clock,
+  timeline,
+  get state() { return store.get("state"); },
+  get view() { return store.get("view"); },
+  get poseUpdates() { return viewer.poseUpdates; },
+};

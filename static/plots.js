@@ -1,0 +1,180 @@
+// Time plots on canvas: drawn once per run, size or theme; what moves is laid over them.
+
+import { degrees, fixed, toDegrees } from "./format.js";
+import { angleAt, at, extent, locate } from "./series.js";
+import { angleTicks, ticks } from "./timescale.js";
+
+const FONT = '11px Inter, system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif';
+
+export const PLOTS = {
+  depth: {
+    down: true,
+    ticks,
+    series: [{ key: "z", label: "Depth", unit: "m", color: "--depth", width: 2, dash: [], convert: (v) => v, show: (v) => fixed(v, 3), read: at }],
+  },
+  angles: {
+    ticks: angleTicks,
+    series: [
+      { key: "theta", label: "Pitch", unit: "°", color: "--pitch", width: 2, dash: [], convert: toDegrees, show: degrees, read: angleAt },
+      { key: "flow_angle", label: "Flow", unit: "°", color: "--flow", width: 1.6, dash: [7, 4], convert: toDegrees, show: degrees, read: angleAt },
+      { key: "alpha", label: "Attack", unit: "°", color: "--attack", width: 1.8, dash: [2, 3], convert: toDegrees, show: degrees, read: angleAt },
+    ],
+  },
+};
+
+// Sizes the backing store to the screen's pixels; returns a context that draws in CSS pixels.
+export function prepare(canvas, width, height) {
+  const ratio = window.devicePixelRatio || 1;
+  canvas.width = Math.round(width * ratio);
+  canvas.height = Math.round(height * ratio);
+  canvas.style.width = `${width}px`;
+  canvas.style.height = `${height}px`;
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  context.font = FONT;
+  return context;
+}
+
+export function cssColor(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+export function line(context, x1, y1, x2, y2) {
+  context.beginPath();
+  context.moveTo(x1, y1);
+  context.lineTo(x2, y2);
+  context.stroke();
+}
+
+export class TimePlot {
+  constructor(canvas, scale, kind, { axis = false } = {}) {
+    Object.assign(this, { canvas, scale, kind, ...PLOTS[kind], run: null });
+    this.top = 6;
+    this.bottom = axis ? 24 : 6;
+    this.axis = axis;
+  }
+
+  setRun(run) {
+    this.run = run;
+  }
+
+  limits() {
+    let low = Infinity;
+    let high = -Infinity;
+    for (const { key, convert } of this.series) {
+      const [a, b] = extent(this.run?.columns[key] ?? []);
+      low = Math.min(low, convert(a));
+      high = Math.max(high, convert(b));
+    }
+    if (this.kind === "angles") return [Math.min(low, 0) - 2, Math.max(high, 0) + 2];
+    const pad = Math.max((high - low) * 0.08, 0.01);
+    return [low - pad, high + pad];
+  }
+
+  draw() {
+    const height = this.canvas.parentElement.clientHeight;
+    const { width } = this.scale;
+    const context = prepare(this.canvas, width, height);
+    const [low, high] = this.limits();
+    const inner = height - this.top - this.bottom;
+    this.y = (v) => this.top + (this.down ? v - low : high - v) * (inner / (high - low));
+    this.drawGrid(context, low, high, inner);
+    if (!this.run) return;
+    context.save();
+    context.beginPath();
+    context.rect(this.scale.x(0), 0, this.scale.span, this.top + inner);
+    context.clip();
+    for (const series of [...this.series].reverse()) this.drawSeries(context, series);
+    context.restore();
+    this.drawEvents(context, inner);
+  }
+
+  drawGrid(context, low, high, inner) {
+    const { scale } = this;
+    const [left, right, foot] = [scale.x(0), scale.x(scale.duration), this.top + inner];
+    context.fillStyle = cssColor("--plot-bg");
+    context.fillRect(left, this.top, scale.span, inner);
+    context.strokeStyle = cssColor("--grid");
+    context.fillStyle = cssColor("--faint");
+    context.lineWidth = 1;
+    const vertical = this.ticks(low, high, inner > 80 ? 4 : 3);
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    for (const v of vertical.values) {
+      line(context, left, this.y(v), right, this.y(v));
+      context.fillText(fixed(v, vertical.digits), left - 6, Math.min(Math.max(this.y(v), this.top + 5), foot - 4));
+    }
+    const times = ticks(0, scale.duration, scale.span / 75);
+    for (const t of times.values) line(context, scale.x(t), this.top, scale.x(t), foot);
+    if (this.axis) this.drawTimes(context, times, foot);
+    this.shadeBeyondEnd(context, inner);
+  }
+
+  drawTimes(context, times, foot) {
+    context.textAlign = "center";
+    context.textBaseline = "top";
+    for (const t of times.values) context.fillText(fixed(t, times.digits), this.scale.x(t), foot + 6);
+    context.textAlign = "right";
+    context.fillText("time (s)", this.scale.x(0) - 6 + 2, foot + 6);
+  }
+
+  // A run may end before the mission does (surface, bed): the rest is visibly not computed.
+  shadeBeyondEnd(context, inner) {
+    const end = this.run?.columns.t.at(-1) ?? 0;
+    if (!this.run || end >= this.scale.duration - 1e-6) return;
+    context.fillStyle = cssColor("--panel");
+    context.globalAlpha = 0.75;
+    context.fillRect(this.scale.x(end), this.top, this.scale.x(this.scale.duration) - this.scale.x(end), inner);
+    context.globalAlpha = 1;
+  }
+
+  drawSeries(context, { key, convert, color, width, dash, unit }) {
+    const { t } = this.run.columns;
+    const values = this.run.columns[key];
+    if (!values) return;
+    context.strokeStyle = cssColor(color);
+    context.lineWidth = width;
+    context.lineJoin = "round";
+    context.setLineDash(dash);
+    context.beginPath();
+    let pen = false;
+    for (let i = 0; i < t.length; i += 1) {
+      const turned = i > 0 && unit === "°" && Math.abs(values[i] - values[i - 1]) > Math.PI;
+      if (pen && !turned) context.lineTo(this.scale.x(t[i]), this.y(convert(values[i])));
+      else context.moveTo(this.scale.x(t[i]), this.y(convert(values[i])));
+      pen = true;
+    }
+    context.stroke();
+    context.setLineDash([]);
+  }
+
+  drawEvents(context, inner) {
+    context.fillStyle = context.strokeStyle = cssColor("--warn");
+    context.lineWidth = 1;
+    for (const { time } of this.run.events ?? []) {
+      const x = this.scale.x(time);
+      const y = this.top + inner;
+      context.globalAlpha = 0.55;
+      context.setLineDash([1, 3]);
+      line(context, x, this.top, x, y);
+      context.setLineDash([]);
+      context.globalAlpha = 1;
+      context.beginPath();
+      context.moveTo(x - 4, y);
+      context.lineTo(x, y - 6);
+      context.lineTo(x + 4, y);
+      context.fill();
+    }
+  }
+
+  values(t) {
+    if (!this.run) return this.series.map(() => NaN);
+    const place = locate(this.run.columns.t, t);
+    return this.series.map(({ key, read }) => read(this.run.columns[key], place));
+  }
+
+  describe(t) {
+    return this.values(t).map((v, i) => [this.series[i].label, `${this.series[i].show(v)} ${this.series[i].unit}`]);
+  }
+}

@@ -1,0 +1,21 @@
+// Shows a problem+json object readably: what was wrong, the limit, and the way out.
+
+import { el } from "./dom.js";
+
+function errorItem(error, link) {
+  const item = el("li", {}, el("p", {}, error.message ?? "Not accepted."));
+  if (error.limit != null && error.limit !== "") item.append(el("p", {}, `Limit: ${error.limit}`));
+  if (error.hint) item.append(el("p", {}, error.hint));
+  if (error.pointer) item.append(link?.(error.pointer) ?? el("span", { class: "where" }, error.pointer));
+  return item;
+}
+
+export function problemNodes(problem, { note, link } = {}) {
+  const nodes = [el("p", {}, el("strong", {}, problem.title ?? "This did not work"))];
+  const errors = problem.errors ?? [];
+  const said = problem.detail === problem.title || errors.some((e) => e.message === problem.detail);
+  if (problem.detail && !said) nodes.push(el("p", {}, problem.detail));
+  if (errors.length) nodes.push(el("ul", {}, ...errors.map((e) => errorItem(e, link))));
+  if (note) nodes.push(el("p", { class: "kept" }, note));
+  return nodes;
+}

@@ -1,0 +1,54 @@
+// Reading a run between its samples.
+
+// Index i with t[i] <= time < t[i + 1], and the fraction between the two.
+export function locate(t, time) {
+  let low = 0;
+  let high = t.length - 1;
+  if (high < 1 || time <= t[0]) return { i: 0, f: 0 };
+  if (time >= t[high]) return { i: high - 1, f: 1 };
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (t[middle] <= time) low = middle;
+    else high = middle;
+  }
+  return { i: low, f: (time - t[low]) / (t[high] - t[low]) };
+}
+
+export function at(values, { i, f }) {
+  if (!values?.length) return NaN;
+  const a = values[i];
+  const b = values[Math.min(i + 1, values.length - 1)];
+  return a + (b - a) * f;
+}
+
+// An angle that jumps by a full turn between samples must not be averaged through zero.
+export function angleAt(values, place) {
+  if (!values?.length) return NaN;
+  const a = values[place.i];
+  const b = values[Math.min(place.i + 1, values.length - 1)];
+  if (Math.abs(b - a) > Math.PI) return place.f < 0.5 ? a : b;
+  return a + (b - a) * place.f;
+}
+
+export function extent(values) {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const v of values) {
+    if (v < low) low = v;
+    if (v > high) high = v;
+  }
+  return low <= high ? [low, high] : [0, 0];
+}
+
+// What the schedule asks for, as corner points: a step jumps at its time, a ramp arrives at it.
+export function commandCorners(points, start, duration) {
+  const corners = [[0, start]];
+  let value = start;
+  for (const { time, extension, shape } of points) {
+    if (shape !== "ramp") corners.push([time, value]);
+    corners.push([time, extension]);
+    value = extension;
+  }
+  corners.push([Math.max(duration, points.at(-1)?.time ?? 0), value]);
+  return corners;
+}

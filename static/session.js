@@ -1,0 +1,64 @@
+// What the page asks of the server, and the state it hears back.
+
+import * as api from "./api.js";
+
+const RETRY = 2000; // ms, where the browser itself gives up on the event stream
+
+export function createActions(store) {
+  async function act(call, { keepProblem = false } = {}) {
+    store.set({ busy: store.get("busy") + 1 });
+    try {
+      const answer = await call();
+      store.set({ rejected: null });
+      return answer;
+    } catch (error) {
+      const problem = error.problem ?? { title: error.message };
+      // The server keeps the last rejected edit in its state; other refusals only this page knows.
+      store.set({ rejected: problem, rejectedHere: keepProblem || problem.status !== 422 });
+      return undefined;
+    } finally {
+      store.set({ busy: store.get("busy") - 1 });
+    }
+  }
+  const drag = api.latestWins((patch) => act(() => api.edit(patch)));
+  return {
+    edit: (patch) => act(() => api.edit(patch)),
+    editLatest: drag,
+    undo: () => store.get("state")?.can_undo && act(api.undo),
+    redo: () => store.get("state")?.can_redo && act(api.redo),
+    trim: () => act(api.trimBallast),
+    open: (read) => act(async () => api.openDesign(await read()), { keepProblem: true }),
+    select: (index) => index !== undefined && act(() => api.selectComponent(index)),
+    camera: (view) => act(() => api.setCamera(view)),
+  };
+}
+
+async function refresh(store) {
+  try {
+    const state = await api.getState();
+    const keep = store.get("rejected") && store.get("rejectedHere");
+    store.set({ state, connected: true, rejected: keep ? store.get("rejected") : null });
+  } catch (error) {
+    const gone = [403, 404].includes(error.problem?.status);
+    if (gone) store.set({ rejected: { title: "This session is over", detail: "Go back to the presets, or open a saved design file." }, rejectedHere: true });
+    else store.set({ connected: false });
+  }
+}
+
+// Hears of each change and fetches the state: one fetch at a time, and only for the newest revision.
+export function follow(store) {
+  const fetchState = api.latestWins(() => refresh(store));
+  let source = null;
+  function connect() {
+    source = new EventSource("events");
+    source.addEventListener("state", fetchState);
+    source.addEventListener("open", () => store.set({ connected: true }));
+    source.addEventListener("error", () => {
+      store.set({ connected: false });
+      if (source.readyState === EventSource.CLOSED) setTimeout(connect, RETRY);
+    });
+  }
+  connect();
+  window.addEventListener("pagehide", () => source.close());
+  window.addEventListener("pageshow", (event) => event.persisted && connect());
+}

@@ -1,0 +1,47 @@
+// The horizontal scale that lanes, plots, scrub bar and the red line share, and nice tick values.
+
+export const GUTTER = 46; // pixels left of t = 0, for the value axes' numbers
+export const MARGIN = 14; // pixels right of the end
+
+export class TimeScale {
+  constructor() {
+    this.width = 600;
+    this.duration = 1;
+  }
+
+  get span() {
+    return Math.max(this.width - GUTTER - MARGIN, 1);
+  }
+
+  x(t) {
+    return GUTTER + (t / this.duration) * this.span;
+  }
+
+  t(x) {
+    return Math.min(Math.max(((x - GUTTER) / this.span) * this.duration, 0), this.duration);
+  }
+}
+
+// A step of 1, 2 or 5 times a power of ten that gives about `count` ticks.
+export function niceStep(span, count) {
+  const raw = span / Math.max(count, 1);
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const lead = raw / power;
+  return (lead <= 1 ? 1 : lead <= 2 ? 2 : lead <= 5 ? 5 : 10) * power;
+}
+
+export function ticks(low, high, count) {
+  if (!(high > low)) return { values: [low], digits: 0 };
+  const step = niceStep(high - low, count);
+  const values = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + step * 1e-9; k += 1) values.push(k * step);
+  return { values, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
+}
+
+// Angles read best in parts of a right angle.
+export function angleTicks(low, high) {
+  const step = [5, 10, 15, 30, 45, 90].find((s) => (high - low) / s <= 4.2) ?? 180;
+  const values = [];
+  for (let v = Math.ceil(low / step) * step; v <= high; v += step) values.push(v);
+  return { values, digits: 0 };
+}

@@ -1,0 +1,161 @@
+// The only module that knows the viewer's client: it pushes messages into the iframe's own queue.
+// The hook is the client's test hook, not a promise: detected anew each time, and without it the server moves the scene.
+
+import { applySkin } from "./viewerskin.js";
+
+const HOOK_PATIENCE = 8000; // ms after the iframe's load before the fallback starts
+const CHECK_EVERY = 300; // ms between comparisons of wanted and shown
+const FALLBACK_EVERY = 50; // ms between clock posts: 20 Hz
+
+const differs = (a, b) => {
+  if (a === b) return false;
+  if (typeof a !== "object" || typeof b !== "object" || !a || !b) return true;
+  return a.length !== b.length || [...a].some((v, i) => Math.abs(v - b[i]) > 1e-7);
+};
+
+const messages = {
+  position: (name, position) => ({ type: "SetPositionMessage", name, position, owner: "" }),
+  wxyz: (name, wxyz) => ({ type: "SetOrientationMessage", name, wxyz, owner: "" }),
+  scale: (name, scale) => ({ type: "SceneNodeUpdateMessage", name, updates: { scale }, owner: "" }),
+  visible: (name, visible) => ({ type: "SetSceneNodeVisibilityMessage", name, visible, owner: "" }),
+};
+
+export class Viewer {
+  constructor(iframe, { visibilityOf, onDock, onLink, onKey, postClock }) {
+    Object.assign(this, { iframe, visibilityOf, onDock, onLink, onKey, postClock });
+    this.wanted = new Map();
+    this.poseUpdates = 0;
+    this.loadedAt = performance.now();
+    this.lostSince = null;
+    this.lastPost = 0;
+    this.everReady = false;
+    iframe.addEventListener("load", () => this.loaded());
+    this.checks = setInterval(() => this.check(), CHECK_EVERY);
+  }
+
+  loaded() {
+    this.loadedAt = performance.now();
+    applySkin(this.iframe.contentDocument);
+    // Keys pressed after a click into the scene still drive the page's clock.
+    this.iframe.contentWindow?.addEventListener("keydown", this.onKey);
+  }
+
+  // The client's mutable state, or null as long as (or in a version where) it offers no such hook.
+  hook() {
+    try {
+      const mutable = this.iframe.contentWindow?.__viserMutable;
+      const usable = Array.isArray(mutable?.messageQueue) && typeof mutable.requestRender === "function";
+      return usable ? mutable : null;
+    } catch {
+      return null; // an error page of another origin
+    }
+  }
+
+  tree() {
+    return this.iframe.contentWindow?.__viserSceneTree?.getState?.() ?? null;
+  }
+
+  // Shows this moment: poses always, scales (which cost the client more) only when they changed.
+  show(wanted, t) {
+    const before = this.wanted;
+    this.wanted = wanted;
+    const mutable = this.hook();
+    if (!mutable) return this.showByServer(t);
+    const tree = this.tree();
+    for (const [name, node] of wanted) {
+      // A node that the scene does not have would leave its message behind as a stray pose.
+      if (tree && !(name in tree)) continue;
+      for (const [key, value] of Object.entries(node)) {
+        if (key !== "scale" || differs(before.get(name)?.scale, value)) mutable.messageQueue.push(messages[key](name, value));
+      }
+    }
+    mutable.requestRender();
+    this.poseUpdates += 1;
+  }
+
+  showByServer(t) {
+    const now = performance.now();
+    clearTimeout(this.lastTimer);
+    if (now - this.loadedAt < HOOK_PATIENCE && !this.everReady) return;
+    const wait = this.lastPost + FALLBACK_EVERY - now;
+    if (wait > 0) {
+      this.lastTimer = setTimeout(() => this.showByServer(t), wait);
+      return;
+    }
+    this.lastPost = now;
+    this.postClock(t).catch(() => {}); // the connection notice already says it
+  }
+
+  // The server may rebuild nodes or the client reconnect at any time: compare, and push what differs.
+  check() {
+    const mutable = this.hook();
+    this.watchLink(mutable);
+    if (!mutable) return;
+    this.everReady = true;
+    this.measureDock(mutable);
+    const tree = this.tree();
+    if (!tree || mutable.messageQueue.length > 0) return;
+    const corrections = [];
+    for (const [name, node] of this.wanted) {
+      if (name in tree) this.compare(corrections, name, node, tree[name], mutable.nodePoseData?.[name]);
+    }
+    this.compareVisibility(corrections, tree);
+    if (corrections.length === 0) return;
+    mutable.messageQueue.push(...corrections);
+    mutable.requestRender();
+  }
+
+  compare(corrections, name, wanted, node, pose) {
+    const shown = { position: pose?.position, wxyz: pose?.wxyz, scale: node.message?.props?.scale };
+    for (const [key, value] of Object.entries(wanted)) {
+      if (differs(shown[key], value)) corrections.push(messages[key](name, value));
+    }
+  }
+
+  compareVisibility(corrections, tree) {
+    for (const [name, node] of Object.entries(tree)) {
+      const visible = this.visibilityOf(name);
+      if (visible !== null && (node?.visibility ?? true) !== visible) corrections.push(messages.visible(name, visible));
+    }
+  }
+
+  // Overlays keep clear of the panel that the client docks at the left.
+  measureDock(mutable) {
+    const left = mutable.canvas?.getBoundingClientRect().left ?? 0;
+    if (left !== this.dock) this.onDock((this.dock = left));
+  }
+
+  // The client reconnects only while its document has focus, so a lost link is given focus, then a reload.
+  watchLink(mutable) {
+    const lost = mutable !== null && String(mutable.sendMessage).includes("not connected") && performance.now() - this.loadedAt > 3000;
+    if (!lost) {
+      if (this.lostSince !== null) this.regained();
+      return;
+    }
+    const now = performance.now();
+    if (this.lostSince === null) {
+      this.lostSince = now;
+      this.nextReload = now + 6000;
+      this.focusBefore = document.activeElement;
+      this.onLink(false);
+    }
+    if (document.visibilityState === "hidden") return;
+    if (now > this.nextReload) {
+      this.nextReload = now + 10000;
+      this.iframe.contentWindow.location.reload();
+    } else if (!this.typing()) this.iframe.contentWindow.focus();
+  }
+
+  typing() {
+    return /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement?.tagName ?? "");
+  }
+
+  regained() {
+    this.lostSince = null;
+    this.onLink(true);
+    if (document.activeElement === this.iframe) {
+      this.iframe.blur();
+      this.focusBefore?.focus?.({ preventScroll: true });
+    }
+  }
+}

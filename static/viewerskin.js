@@ -1,0 +1,56 @@
+// Dresses the viewer's docked panel in the page's own variables, so that no seam shows. Purely cosmetic:
+// if a later client names its variables otherwise, it merely looks like itself again.
+
+const TOKENS = ["bg", "panel", "raised", "line", "ink", "dim", "faint", "accent"];
+
+const RULES = `
+:root[data-mantine-color-scheme] {
+  --mantine-color-body: var(--panel);
+  --mantine-color-text: var(--ink);
+  --mantine-color-dimmed: var(--dim);
+  --mantine-color-default: var(--bg);
+  --mantine-color-default-hover: var(--raised);
+  --mantine-color-default-border: var(--line);
+  --mantine-color-default-color: var(--ink);
+  --mantine-color-placeholder: var(--faint);
+}
+:root[data-mantine-color-scheme="dark"] {
+  --mantine-color-dark-4: var(--line);
+  --mantine-color-dark-5: var(--raised);
+  --mantine-color-dark-6: var(--bg);
+  --mantine-color-dark-7: var(--panel);
+}`;
+
+function tokens() {
+  const style = getComputedStyle(document.documentElement);
+  return `:root { ${TOKENS.map((name) => `--${name}: ${style.getPropertyValue(`--${name}`)};`).join(" ")} }`;
+}
+
+const light = matchMedia("(prefers-color-scheme: light)");
+
+// The server can only set one theme for all its viewers; the person's own preference is known here.
+function followScheme(root) {
+  const set = () => {
+    const scheme = light.matches ? "light" : "dark";
+    if (root.getAttribute("data-mantine-color-scheme") !== scheme) root.setAttribute("data-mantine-color-scheme", scheme);
+  };
+  set();
+  new root.ownerDocument.defaultView.MutationObserver(set).observe(root, { attributeFilter: ["data-mantine-color-scheme"] });
+  return set;
+}
+
+export function applySkin(doc) {
+  try {
+    const sheet = new doc.defaultView.CSSStyleSheet();
+    const dress = () => sheet.replaceSync(tokens() + RULES);
+    dress();
+    doc.adoptedStyleSheets = [...doc.adoptedStyleSheets, sheet];
+    const set = followScheme(doc.documentElement);
+    light.addEventListener("change", () => {
+      dress();
+      set();
+    });
+  } catch {
+    // An error page in the iframe: nothing to dress.
+  }
+}
