@@ -1,4 +1,4 @@
-"""Owns the one door between descriptions and numbers: it refuses what cannot be simulated, and makes the kernel's records."""
+"""Owns the one door between descriptions and numbers: refuses what cannot be simulated, makes the kernel's records."""
 
 from __future__ import annotations
 
@@ -43,6 +43,7 @@ def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
     ------
     DesignError
         With the numbers, where the design cannot be simulated or exceeds a limit.
+
     """
     law = check_design(design, limits, build_law)
     parts = [component for _, component in design.vehicle.actuated]
@@ -172,7 +173,7 @@ def _table(law: HydrodynamicLaw) -> Array:
 
 
 def _lookup(breaks: Array) -> tuple[NDArray[np.int64], float]:
-    """Return the piece at the lower edge of equal buckets so narrow that each holds one break at most, and buckets/rad."""
+    """Return the piece at the lower edge of equal buckets, each with one break at most, and the buckets per rad."""
     buckets = math.ceil(2.0 * math.pi / float(np.diff(breaks).min()) * 1.001) + 1
     edges = -math.pi + np.arange(buckets) * (2.0 * math.pi / buckets)
     lookup = np.searchsorted(breaks, edges, side="right") - 1

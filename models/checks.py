@@ -16,7 +16,7 @@ from models.problems import DesignError, Problem, pointer_to
 
 
 def check_design(design: Design, limits: Limits, build_law: Callable[[PolarTable], HydrodynamicLaw]) -> HydrodynamicLaw:
-    """Return the hydrodynamic law of a design that can be simulated; raise `DesignError` with all problems otherwise."""
+    """Return the hydrodynamic law of a design that can be simulated; else raise `DesignError` with all problems."""
     problems = list(_limit_problems(design, limits))
     if problems:
         raise DesignError(problems)
@@ -45,7 +45,8 @@ def _limit_problems(design: Design, limits: Limits) -> Iterator[Problem]:
         ("/mission/duration", "seconds", mission.duration, limits.duration, "shorten the mission"),
         (
             "/mission/solver/output_interval", "samples of the result",
-            math.ceil(samples), limits.samples, f"use an interval of at least {mission.duration / limits.samples:.3g} s",
+            math.ceil(samples), limits.samples,
+            f"use an interval of at least {mission.duration / limits.samples:.3g} s",
         ),
     ]  # fmt: skip
     if solver.method == "rk4":
@@ -64,9 +65,10 @@ def _outside(extension: float, stops: tuple[float, float]) -> bool:
 
 def _stop_problem(pointer: str, name: str, extension: float, stops: tuple[float, float]) -> Problem:
     bound = stops[0] if extension < stops[0] else stops[1]
+    low, high = (1e3 * stop for stop in stops)
     return Problem(
         pointer,
-        f"extension {extension * 1e3:g} mm of '{name}' lies outside its stops [{stops[0] * 1e3:g}, {stops[1] * 1e3:g}] mm",
+        f"extension {extension * 1e3:g} mm of '{name}' lies outside its stops [{low:g}, {high:g}] mm",
         limit=bound,
         hint="stay within the stops, or move them",
     )
@@ -185,13 +187,15 @@ def warnings_for(design: Design) -> Iterator[Problem]:
     net = balance.net_buoyancy(mission.environment.water.density, mission.environment.gravity)
     if weight > 0.0 and abs(net) > 0.02 * weight:
         yield Problem(
-            "/vehicle/components", f"net buoyancy with neutral cells is {net:+.3g} N, {100 * net / weight:+.1f} % of weight",
+            "/vehicle/components",
+            f"net buoyancy with neutral cells is {net:+.3g} N, {100 * net / weight:+.1f} % of weight",
             limit=0.02, hint="trim the ballast",
         )  # fmt: skip
     below = 1e3 * float(balance.center_of_mass[2] - balance.center_of_buoyancy[2])
     if below <= 0.0:
         yield Problem(
-            "/vehicle/components", f"the centre of mass lies {-below:.3g} mm above the centre of buoyancy: it turns over",
+            "/vehicle/components",
+            f"the centre of mass lies {-below:.3g} mm above the centre of buoyancy: it turns over",
             limit=0.0, hint="put weight lower or volume higher",
         )  # fmt: skip
     if any(abs(c.position[1]) > 0.0 for c in vehicle.components):

@@ -1,12 +1,13 @@
 """Owns the components of a vehicle: what each weighs and displaces, where it sits, and how its actuator moves.
 
-Body axes (x to the nose, y to starboard, z down through the keel), SI units. The volume laws are those of Canete et al.,
-Eqs. 9 and 10, corrected (docs/physics.md, section 3).
+Body axes (x to the nose, y to starboard, z down through the keel), SI units. The volume laws are those of Canete et
+al., Eqs. 9 and 10, corrected (docs/physics.md, section 3).
 """
 
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -99,10 +100,12 @@ class _Stroked(_Actuated):
 
     @property
     def stroke(self) -> tuple[float, float]:
+        """The stated range of extensions, m."""
         return self.extension_range
 
     @property
     def neutral(self) -> float:
+        """The stated neutral extension, m."""
         return self.neutral_extension
 
 
@@ -173,11 +176,13 @@ class Piston(_Actuated):
 
     @property
     def stroke(self) -> tuple[float, float]:
+        """Smallest and largest extension that the volume range allows, m."""
         low, high = self.volume_range
         return (low - self.volume) / self.area, (high - self.volume) / self.area
 
     @property
     def neutral(self) -> float:
+        """Zero: a piston's extension counts from neutral, m."""
         return 0.0
 
 
@@ -199,7 +204,7 @@ class Bladder(_Actuated):
         if len(self.extensions) != len(self.volumes):
             raise ValueError(f"extensions has {len(self.extensions)} entries, volumes has {len(self.volumes)}")
         for label, column in (("extensions", self.extensions), ("volumes", self.volumes)):
-            for k, (a, b) in enumerate(zip(column, column[1:], strict=False)):
+            for k, (a, b) in enumerate(pairwise(column)):
                 if not a < b:
                     raise ValueError(f"{label} must rise: entry {k + 1} is {b}, not above entry {k}, {a}")
         low, high = self.stroke
@@ -209,10 +214,12 @@ class Bladder(_Actuated):
 
     @property
     def stroke(self) -> tuple[float, float]:
+        """First and last extension of the table, m."""
         return self.extensions[0], self.extensions[-1]
 
     @property
     def neutral(self) -> float:
+        """The stated neutral extension, m."""
         return self.neutral_extension
 
 

@@ -93,6 +93,7 @@ def parse_design(document: Any) -> Design:
     ------
     DesignError
         With a JSON Pointer, the bound and a hint for every field that is wrong.
+
     """
     if not isinstance(document, dict):
         raise DesignError([Problem("", f"a design is a JSON object, not {type(document).__name__}")])

@@ -1,4 +1,4 @@
-"""Owns what every description shares: the frozen base model and fields that carry unit, symbol, limits and a sentence."""
+"""Owns what every description shares: the frozen base model, and fields with unit, symbol, limits and a sentence."""
 
 from __future__ import annotations
 

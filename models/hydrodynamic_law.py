@@ -82,7 +82,7 @@ def select_data(table: PolarTable) -> tuple[Array, Array]:
                 [
                     Problem(
                         f"{POINTER}/row_alpha_deg",
-                        f"the angles at {v} m/s differ from those at {next(iter(data))} m/s, so they cannot be averaged",
+                        f"the angles at {v} m/s differ from those at {next(iter(data))} m/s: they cannot be averaged",
                         hint="choose one speed, or give every speed the same angles",
                     )
                 ]
@@ -133,7 +133,7 @@ def _fit_polynomials(angles: Array, data: Array) -> tuple[Array, Array]:
                 [
                     Problem(
                         f"{POINTER}/row_alpha_deg",
-                        f"{len(angles)} angles are too few for a polynomial of degree {DEGREES[quantity]} in {quantity}",
+                        f"{len(angles)} angles are too few to fit {quantity} by degree {DEGREES[quantity]}",
                         limit=len(powers),
                         hint="use the law 'pchip' or give more angles",
                     )
@@ -162,6 +162,7 @@ def build_law(table: PolarTable) -> HydrodynamicLaw:
     ------
     DesignError
         Where speeds cannot be averaged, angles are too few, or drag does not stay positive.
+
     """
     angles, data = select_data(table)
     fit = _fit_pchip if table.law == "pchip" else _fit_polynomials
@@ -199,7 +200,7 @@ def _require_positive_drag(table: PolarTable, law: HydrodynamicLaw) -> None:
         [
             Problem(
                 f"{POINTER}/row_drag" if table.law == "pchip" else f"{POINTER}/law",
-                f"drag per squared speed falls to {drag.min():.4g} N s2/m2 at {worst:.1f} deg with the law '{table.law}'",
+                f"drag falls to {drag.min():.4g} N s2/m2 per squared speed at {worst:.1f} deg by '{table.law}'",
                 limit=0.0,
                 hint="drag must stay positive: check the data" + (", or use 'pchip'" if table.law != "pchip" else ""),
             )

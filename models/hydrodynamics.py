@@ -5,6 +5,7 @@ Angles of attack are those of the measurement, 0 to 90 deg; `hydrodynamic_law` m
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -89,7 +90,7 @@ class PolarTable(Description):
 
     def _check_grid(self, speed: float) -> None:
         angles = [a for a, v in zip(self.row_alpha_deg, self.row_speed, strict=True) if v == speed]
-        for a, b in zip(angles, angles[1:], strict=False):
+        for a, b in pairwise(angles):
             if b - a < SMALLEST_SPACING_DEG:
                 raise ValueError(
                     f"angles at {speed} m/s must rise by at least {SMALLEST_SPACING_DEG} deg: {a} is followed by {b}"

@@ -137,6 +137,7 @@ def trim_ballast(design: Design, component: str | None = None) -> tuple[Design, 
     ------
     DesignError
         Where there is no such rigid component, or the volume would have to be negative.
+
     """
     vehicle = design.vehicle
     rigid = [(i, c) for i, c in enumerate(vehicle.components) if isinstance(c, Rigid)]
@@ -154,7 +155,7 @@ def trim_ballast(design: Design, component: str | None = None) -> tuple[Design, 
             [
                 Problem(
                     pointer,
-                    f"'{body.name}' would need a volume of {needed:.6g} m3: the other parts displace more than the mass",
+                    f"'{body.name}' would need a volume of {needed:.6g} m3: the others displace more than the mass",
                     limit=0.0,
                     hint="add mass, or make the cells smaller",
                 )

@@ -17,7 +17,8 @@ BOUNDS = ("ge", "gt", "le", "lt", "min_length", "max_length", "multiple_of", "pa
 class Problem:
     """One thing that is wrong with a document.
 
-    `pointer` is an RFC 6901 JSON Pointer ("" is the whole document), `limit` the bound that was broken, `hint` the way out.
+    `pointer` is an RFC 6901 JSON Pointer ("" is the whole document), `limit` the bound that was broken, `hint` the
+    way out.
     """
 
     pointer: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Literal, Self
 
 from pydantic import model_validator
@@ -29,7 +30,7 @@ class Schedule(Description):
 
     @model_validator(mode="after")
     def _times_rise(self) -> Self:
-        for k, (a, b) in enumerate(zip(self.points, self.points[1:], strict=False)):
+        for k, (a, b) in enumerate(pairwise(self.points)):
             if not a.time < b.time:
                 raise ValueError(
                     f"times must rise: point {k + 1} of '{self.cell}' is at {b.time} s, not after {a.time} s"

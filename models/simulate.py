@@ -51,6 +51,7 @@ def simulate(design: Design, *, limits: Limits = DEFAULT_LIMITS, control: Contro
     ------
     DesignError
         Where the design cannot be simulated. What goes wrong during the run is told by `Run.status`.
+
     """
     return run_assembly(assemble(design, limits), limits=limits, control=control)
 

@@ -1,4 +1,4 @@
-"""Owns the volume laws of cells as piecewise cubics in the extension, for the kernel and for the mass properties alike."""
+"""Owns the volume laws of cells as piecewise cubics in the extension, for kernel and mass properties alike."""
 
 from __future__ import annotations
 

@@ -24,6 +24,11 @@ const store = createStore({
   view: { follow: true, forces: true, centers: true, path: true, exaggeration: 10, camera: null },
 });
 const clock = new Clock();
+
+// On a machine without graphics hardware a coarser 3D picture plays smoothly: ?fixedDpr=0.5
+const dpr = Number(new URLSearchParams(location.search).get("fixedDpr"));
+if (dpr > 0) $("view").src = `view/?fixedDpr=${dpr}`;
+
 const actions = createActions(store);
 
 const viewer = new Viewer($("view"), {

@@ -4,7 +4,7 @@ import { degrees, fixed, toDegrees } from "./format.js";
 import { angleAt, at, extent, locate } from "./series.js";
 import { angleTicks, ticks } from "./timescale.js";
 
-const FONT = '11px Inter, system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif';
+const FONT = '11px -apple-system, BlinkMacSystemFont, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif';
 
 export const PLOTS = {
   depth: {
@@ -116,7 +116,7 @@ export class TimePlot {
     context.textBaseline = "top";
     for (const t of times.values) context.fillText(fixed(t, times.digits), this.scale.x(t), foot + 6);
     context.textAlign = "right";
-    context.fillText("time (s)", this.scale.x(0) - 6 + 2, foot + 6);
+    context.fillText("t (s)", this.scale.x(0) - 12, foot + 6);
   }
 
   // A run may end before the mission does (surface, bed): the rest is visibly not computed.

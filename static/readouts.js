@@ -36,7 +36,7 @@ const END = [
 ];
 
 const NUMERICS = [
-  ["energy-residual", "Energy residual", "of exch.", scientific, relativeResidual],
+  ["energy-residual", "Energy residual", "rel.", scientific, relativeResidual],
   ["elapsed", "Computed in", "ms", (v) => fixed(v, 1), ({ run }) => run?.elapsed_ms],
 ];
 

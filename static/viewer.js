@@ -29,13 +29,16 @@ export class Viewer {
     this.lostSince = null;
     this.lastPost = 0;
     this.everReady = false;
-    iframe.addEventListener("load", () => this.loaded());
     this.checks = setInterval(() => this.check(), CHECK_EVERY);
   }
 
-  loaded() {
+  // Asked for at each check: a load event may have come before this module ran.
+  greet() {
+    const doc = this.iframe.contentDocument;
+    if (!doc || doc === this.greeted || doc.readyState !== "complete" || doc.URL === "about:blank") return;
+    this.greeted = doc;
     this.loadedAt = performance.now();
-    applySkin(this.iframe.contentDocument);
+    applySkin(doc);
     // Keys pressed after a click into the scene still drive the page's clock.
     this.iframe.contentWindow?.addEventListener("keydown", this.onKey);
   }
@@ -88,6 +91,7 @@ export class Viewer {
 
   // The server may rebuild nodes or the client reconnect at any time: compare, and push what differs.
   check() {
+    this.greet();
     const mutable = this.hook();
     this.watchLink(mutable);
     if (!mutable) return;

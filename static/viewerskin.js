@@ -19,7 +19,9 @@ const RULES = `
   --mantine-color-dark-5: var(--raised);
   --mantine-color-dark-6: var(--bg);
   --mantine-color-dark-7: var(--panel);
-}`;
+}
+/* Clear of the page's buttons over the scene. */
+.mantine-Notifications-root { margin-top: 40px; }`;
 
 function tokens() {
   const style = getComputedStyle(document.documentElement);

@@ -1,4 +1,4 @@
-"""The compiled kernel: floats and arrays only; it never raises. Importing it names the cache folder of its machine code.
+"""The compiled kernel: floats and arrays only; it never raises. Importing it names the folder of its machine code.
 
 Numba's cache does not notice an edit in a file that a cached function calls, so the folder carries a hash of all the
 kernel's sources: a change of any of them compiles anew.
@@ -28,4 +28,4 @@ KERNEL_HASH = _hash_of_sources()
 _root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
 CACHE_FOLDER = Path(os.environ.get("GLIDER_STUDIO_KERNEL_CACHE") or Path(_root) / "glider-studio")
 CACHE_FOLDER = CACHE_FOLDER / f"kernel-{KERNEL_HASH}-numba-{numba.__version__}"
-numba.config.CACHE_DIR = str(CACHE_FOLDER)
+numba.config.CACHE_DIR = str(CACHE_FOLDER)  # type: ignore[attr-defined]

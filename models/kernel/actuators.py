@@ -18,7 +18,7 @@ SAME_TIME = 1e-12
 
 
 @inlined
-def volume_and_slope(part, e, p):  # type: ignore[no-untyped-def]
+def volume_and_slope(part, e, p):
     """Return V(e) (m3) and dV/de (m2) of one part."""
     k = part.law_start
     last = part.law_start + part.law_count - 1
@@ -30,7 +30,7 @@ def volume_and_slope(part, e, p):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def balance_with_parts(y, p):  # type: ignore[no-untyped-def]
+def balance_with_parts(y, p):
     """Return mass_x, mass_z, inertia_yy, volume, volume_x, volume_z of the vehicle at the state's extensions."""
     b = p.body[0]
     mass_x, mass_z, inertia = b.mass_x, b.mass_z, b.inertia_yy
@@ -52,7 +52,7 @@ def balance_with_parts(y, p):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def extension_rate(t, e, part, d):  # type: ignore[no-untyped-def]
+def extension_rate(t, e, part, d):
     """Return de/dt of one part in the present segment, m/s."""
     if d[MODE] == STEADY:
         return d[RATE]
@@ -61,7 +61,7 @@ def extension_rate(t, e, part, d):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def parts_power(t, y, p, drive, dy, s, c):  # type: ignore[no-untyped-def]
+def parts_power(t, y, p, drive, dy, s, c):
     """Write the extension rates into `dy` and return the power of the actuators: dU/de e' + nu^T dM_RB/de nu e' / 2."""
     b = p.body[0]
     u, w, q = y[3], y[4], y[5]
@@ -87,7 +87,7 @@ def parts_power(t, y, p, drive, dy, s, c):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def command_row(part, t, p):  # type: ignore[no-untyped-def]
+def command_row(part, t, p):
     """Return the row of the command in force at time t (from its own time on), by bisection."""
     low = part.command_start
     high = part.command_start + part.command_count
@@ -101,14 +101,14 @@ def command_row(part, t, p):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def command(part, t, p):  # type: ignore[no-untyped-def]
+def command(part, t, p):
     """Return the commanded extension of one part at time t, within its stops, m."""
     row = p.commands[command_row(part, t, p)]
     return min(max(row[1] + row[2] * (t - row[0]), part.stop_low), part.stop_high)
 
 
 @inlined
-def lag_corner(gap, slope, rate, lag):  # type: ignore[no-untyped-def]
+def lag_corner(gap, slope, rate, lag):
     """Return after how long a lagging part leaves or reaches its rate limit; infinity if it never does.
 
     `gap` = command - extension. Saturated, the gap changes at (slope -+ rate); free, it tends to slope * lag.
@@ -125,7 +125,7 @@ def lag_corner(gap, slope, rate, lag):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def begin_segment(t, y, p, drive):  # type: ignore[no-untyped-def]
+def begin_segment(t, y, p, drive):
     """Set how every part moves from time t on, and return when that ends (infinity if never).
 
     A part without rate limit and lag is put on its command here, so `y` may jump.

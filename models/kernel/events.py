@@ -8,19 +8,19 @@ from models.kernel.step import interpolate_one, make_dense
 
 NOTHING, SURFACE, BED, STOP = range(4)
 SURFACE_SLACK = 1e-9
-"""The surface event fires this far above z = 0 (m), so that rounding in a glider that floats at rest does not fire it."""
+"""The surface event fires this far above z = 0 (m), so that rounding in a glider floating at rest does not fire it."""
 STOP_SHARE = 1e-6
 """A part has reached a stop within this share of its stroke: a lagging part only ever tends to its command."""
 
 
 @inlined
-def distance_to(kind, z, p):  # type: ignore[no-untyped-def]
+def distance_to(kind, z, p):
     """Return how far the event is away, m; negative once it has happened."""
     return z + SURFACE_SLACK if kind == SURFACE else p.body[0].bed_depth - z
 
 
 @compiled
-def find_event(pair, h, y, y1, k, p, dense):  # type: ignore[no-untyped-def]
+def find_event(pair, h, y, y1, k, p, dense):
     """Return the kind of the event within the step (0: none) and the fraction of the step where it happens."""
     kind = NOTHING
     if distance_to(SURFACE, y1[Z], p) < 0.0 and distance_to(SURFACE, y[Z], p) >= 0.0:
@@ -41,14 +41,14 @@ def find_event(pair, h, y, y1, k, p, dense):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def stop_side(e, part):  # type: ignore[no-untyped-def]
+def stop_side(e, part):
     """Return -1 or 1 where the extension is at the lower or upper stop, else 0."""
     slack = STOP_SHARE * (part.stop_high - part.stop_low)
     return -1 if e <= part.stop_low + slack else (1 if e >= part.stop_high - slack else 0)
 
 
 @compiled
-def scan_stops(t, h, y, y1, dense, p, at_stop, events, counts):  # type: ignore[no-untyped-def]
+def scan_stops(t, h, y, y1, dense, p, at_stop, events, counts):
     """Note which parts reached a stop between t (state y) and t + h (state y1); one at rest there is noted once.
 
     With h = 0 the states are the same instant and `dense` is not read.
@@ -72,7 +72,7 @@ def scan_stops(t, h, y, y1, dense, p, at_stop, events, counts):  # type: ignore[
 
 
 @compiled
-def stop_is_new(y1, p, at_stop):  # type: ignore[no-untyped-def]
+def stop_is_new(y1, p, at_stop):
     """Whether some part's place at its stops differs from the noted one."""
     for i in range(p.parts.shape[0]):
         if stop_side(y1[EXTENSIONS + i], p.parts[i]) != at_stop[i]:

@@ -20,7 +20,7 @@ FIRST_STEP = 1e-3
 
 
 @inlined
-def enter_segment(t, y, p, drive, scratch):  # type: ignore[no-untyped-def]
+def enter_segment(t, y, p, drive, scratch):
     """Begin a segment, charging the actuators for any jump; return when the segment ends."""
     kinetic, potential = energies(y, p)
     scratch[:] = y
@@ -34,7 +34,7 @@ def enter_segment(t, y, p, drive, scratch):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def all_finite(y):  # type: ignore[no-untyped-def]
+def all_finite(y):
     """Whether every state is finite."""
     total = 0.0
     for j in range(y.shape[0]):
@@ -43,7 +43,7 @@ def all_finite(y):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def integrate(pair, duration, step, interval, max_steps, y, p, times, states, events, counts, control):  # type: ignore[no-untyped-def]
+def integrate(pair, duration, step, interval, max_steps, y, p, times, states, events, counts, control):
     """Integrate from time 0, sampling every `interval`; return a status code.
 
     Parameters
@@ -55,6 +55,7 @@ def integrate(pair, duration, step, interval, max_steps, y, p, times, states, ev
     events : (rows, 3) filled with time, kind, part; of further stops only the count is kept.
     counts : (5,) integers, filled: samples, events, accepted steps, rejected steps, evaluations.
     control : (2,) floats: set [CANCEL] to stop early; [PROGRESS] is the time reached, s.
+
     """
     n = y.shape[0]
     k = np.zeros((7, n))

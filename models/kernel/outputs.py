@@ -16,7 +16,7 @@ COLUMNS = (
 
 
 @compiled
-def outputs(times, states, p, out, commands, volumes):  # type: ignore[no-untyped-def]
+def outputs(times, states, p, out, commands, volumes):
     """Fill `out` (samples, columns), `commands` and `volumes` (samples, parts) from the states."""
     b = p.body[0]
     kinetic, potential = energies(states[0], p)

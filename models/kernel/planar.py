@@ -15,7 +15,7 @@ from models.kernel.scalar import TINY, atan2, sincos
 
 
 @inlined
-def find_piece(alpha, p):  # type: ignore[no-untyped-def]
+def find_piece(alpha, p):
     """Return the index of the table's piece that holds alpha in [-pi, pi]."""
     bucket = int((alpha + math.pi) * p.body[0].lookup_scale)
     bucket = min(max(bucket, 0), p.lookup.shape[0] - 1)
@@ -24,7 +24,7 @@ def find_piece(alpha, p):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def evaluate_law(alpha, p):  # type: ignore[no-untyped-def]
+def evaluate_law(alpha, p):
     """Return lift, drag and moment per squared speed at angle of attack alpha (rad)."""
     k = min(find_piece(alpha, p), p.table.shape[0] - 2)
     row = p.table[k]
@@ -45,7 +45,7 @@ def evaluate_law(alpha, p):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def hydrodynamics(u, w, p):  # type: ignore[no-untyped-def]
+def hydrodynamics(u, w, p):
     """Return lift, drag, moment about the origin (N, N, N m), X, Z (N), alpha (rad) and speed (m/s)."""
     b = p.body[0]
     v2 = u * u + w * w
@@ -64,13 +64,13 @@ def hydrodynamics(u, w, p):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def munk_excess(u, w, b):  # type: ignore[no-untyped-def]
+def munk_excess(u, w, b):
     """Return the Munk moment that the table and the added mass would both count, N m (0 where only one does)."""
     return b.munk_in_table * ((b.a33 - b.a11) * u * w + b.a13 * (u * u - w * w))
 
 
 @inlined
-def solve_symmetric(m11, m12, m13, m22, m23, m33, r1, r2, r3):  # type: ignore[no-untyped-def]
+def solve_symmetric(m11, m12, m13, m22, m23, m33, r1, r2, r3):
     """Solve the symmetric positive definite 3x3 system by elimination without pivoting."""
     f12 = m12 / m11
     f13 = m13 / m11
@@ -85,7 +85,7 @@ def solve_symmetric(m11, m12, m13, m22, m23, m33, r1, r2, r3):  # type: ignore[n
 
 
 @compiled
-def derivative(t, y, p, drive, dy):  # type: ignore[no-untyped-def]
+def derivative(t, y, p, drive, dy):
     """Write dy/dt into `dy`: kinematics, accelerations, work rates, extension rates.
 
     `y`, `dy` are states (params.py); `drive` says how each part moves in this segment (actuators.py).
@@ -127,7 +127,7 @@ def derivative(t, y, p, drive, dy):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def energies(y, p):  # type: ignore[no-untyped-def]
+def energies(y, p):
     """Return the kinetic energy (with the added mass) and the potential energy of a state, J."""
     b = p.body[0]
     u, w, q = y[U], y[W], y[Q]

@@ -11,7 +11,7 @@ TINY = 1e-300
 
 
 @inlined
-def sincos(x):  # type: ignore[no-untyped-def]
+def sincos(x):
     """Return sin(x), cos(x); x in rad, |x| < 1e5."""
     n = float(int(x * 0.6366197723675814 + (0.5 if x >= 0.0 else -0.5)))
     y = ((x - n * 1.57079632673412561417e0) - n * 6.07710050630396597660e-11) - n * 2.02226624879595063154e-21
@@ -38,7 +38,7 @@ def sincos(x):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def atan2(y, x):  # type: ignore[no-untyped-def]
+def atan2(y, x):
     """Return the angle of (x, y) in [-pi, pi], rad; 0 for the origin."""
     ay = abs(y)
     ax = abs(x)

@@ -1,6 +1,7 @@
 """Owns one step of each method, and the polynomial between its ends. Both leave y1 and the polynomial's coefficients.
 
-Arrays of a run: `k` (7, n) slopes, `y1` (n,) new state, `dense` (4, n) with y(t + s h) = y + s (d0 + s (d1 + s (d2 + s d3))).
+Arrays of a run: `k` (7, n) slopes, `y1` (n,) new state, `dense` (4, n) with
+y(t + s h) = y + s (d0 + s (d1 + s (d2 + s d3))).
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ E = tableau.E
 
 
 @compiled
-def rk4_step(t, h, y, y1, k, p, drive):  # type: ignore[no-untyped-def]
-    """Advance by the classical Runge-Kutta method; needs the slope at (t, y) in k[0], leaves that at the end in k[4]."""
+def rk4_step(t, h, y, y1, k, p, drive):
+    """Advance by the classical Runge-Kutta method; k[0] holds the slope at (t, y), k[4] takes that at the end."""
     n = y.shape[0]
     half = 0.5 * h
     for j in range(n):
@@ -38,7 +39,7 @@ def rk4_step(t, h, y, y1, k, p, drive):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def pair_step(t, h, y, y1, k, p, drive):  # type: ignore[no-untyped-def]
+def pair_step(t, h, y, y1, k, p, drive):
     """Advance by Dormand-Prince 5(4); return the largest scaled error (1 is `tolerance`). The last slope is k[6]."""
     n = y.shape[0]
     for i in range(1, 7):
@@ -63,7 +64,7 @@ def pair_step(t, h, y, y1, k, p, drive):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def hermite(h, y, y1, k, last, dense):  # type: ignore[no-untyped-def]
+def hermite(h, y, y1, k, last, dense):
     """Set `dense` to the cubic through both states with both slopes."""
     for j in range(y.shape[0]):
         rise = y1[j] - y[j]
@@ -76,7 +77,7 @@ def hermite(h, y, y1, k, last, dense):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def make_dense(pair, h, y, y1, k, dense):  # type: ignore[no-untyped-def]
+def make_dense(pair, h, y, y1, k, dense):
     """Set the polynomial of the step just taken."""
     if not pair:
         hermite(h, y, y1, k, 4, dense)
@@ -90,20 +91,20 @@ def make_dense(pair, h, y, y1, k, dense):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def interpolate_one(s, y, dense, j):  # type: ignore[no-untyped-def]
+def interpolate_one(s, y, dense, j):
     """Return state j at the fraction s of the step."""
     return y[j] + s * (dense[0, j] + s * (dense[1, j] + s * (dense[2, j] + s * dense[3, j])))
 
 
 @compiled
-def interpolate(s, y, dense, out):  # type: ignore[no-untyped-def]
+def interpolate(s, y, dense, out):
     """Write the state at the fraction s of the step into `out`."""
     for j in range(y.shape[0]):
         out[j] = interpolate_one(s, y, dense, j)
 
 
 @inlined
-def next_factor(error, previous):  # type: ignore[no-untyped-def]
+def next_factor(error, previous):
     """Return by how much to change the step: a PI controller (Hairer, Norsett, Wanner, 1993, II.4), 0.2 to 5."""
     if not math.isfinite(error):
         return 0.1

@@ -16,16 +16,15 @@ from models.mass_properties import trim_ballast
 DATA = files("models").joinpath("data")
 
 HULL_NOTE = (
-    "The hull is a stand-in made to the paper's mass and volume, not its geometry: a body of revolution 0.600 m long and "
-    "32.06 mm across, two coaxial cylinders for the bellows (48 mm across, 80 mm long, at x = +-0.180 m) and a flat wing "
-    "of 0.500 m span and 0.100 m chord."
+    "The hull is a stand-in made to the paper's mass and volume, not its geometry: a body of revolution 0.600 m long "
+    "and 32.06 mm across, two coaxial cylinders for the bellows (48 mm across, 80 mm long, at x = +-0.180 m) and a "
+    "flat wing of 0.500 m span and 0.100 m chord."
 )
 
 
 def read_polar_csv(name: str) -> dict[str, list[float]]:
     """Read a table of forces with the columns speed, alpha_deg, lift, drag, moment as the fields of a `PolarTable`."""
-    with DATA.joinpath(name).open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = list(csv.DictReader(DATA.joinpath(name).read_text().splitlines()))
     columns = ("speed", "alpha_deg", "lift", "drag", "moment")
     return {f"row_{column}": [float(row[column]) for row in rows] for column in columns}
 
@@ -91,13 +90,13 @@ def canete_dual_bellows() -> dict[str, Any]:
         "name": "Dual-bellows lake glider",
         "notes": (
             "The glider of L. Canete, J. Paquibot, M. Matsumoto, T. Takahashi, 'Investigation of Multiple Buoyancy "
-            "Controller Equipped Underwater Glider Robot Modeling for Control System Development and Gliding Simulation': "
-            "mass, centre of mass, inertia, damping and gravity are its Table II, declared and frozen as there. Cells, "
-            "hull and forces are not the paper's, which prints no numbers for them. "
+            "Controller Equipped Underwater Glider Robot Modeling for Control System Development and Gliding "
+            "Simulation': mass, centre of mass, inertia, damping and gravity are its Table II, declared and frozen as "
+            "there. Cells, hull and forces are not the paper's, which prints no numbers for them. "
             + HULL_NOTE
-            + " The paper's V0 makes "
-            "the glider neutral without its bellows; here the cells at neutral extension count, so that only changes "
-            "unbalance it. The front cell takes 0.02 N away for 10 s, then adds 0.02 N: the size of the paper's tank run."
+            + " The paper's V0 makes the glider neutral without its bellows; here the cells at neutral extension "
+            "count, so that only changes unbalance it. The front cell takes 0.02 N away for 10 s, then adds 0.02 N: the "
+            "size of the paper's tank run."
         ),
         "vehicle": {
             "components": [
@@ -144,8 +143,10 @@ def canete_dual_bellows() -> dict[str, Any]:
     }
 
 
-def _ramps(cell: str, points: list[tuple[float, float]]) -> dict[str, Any]:
-    return {"cell": cell, "points": [{"time": t, "extension": e, "shape": "ramp"} for t, e in points]}
+def _there_and_back(cell: str, down: float, up: float) -> dict[str, Any]:
+    """Return a schedule that ramps to `down` for a dive, to `up` for a climb, and down again (m)."""
+    legs = ((2.0, down), (40.0, down), (52.0, up), (90.0, up), (102.0, down))
+    return {"cell": cell, "points": [{"time": t, "extension": e, "shape": "ramp"} for t, e in legs]}
 
 
 def three_cell_glider() -> dict[str, Any]:
@@ -161,11 +162,12 @@ def three_cell_glider() -> dict[str, Any]:
     trimmer = {
         "kind": "movable_mass", "name": "Battery slide", "mass": 0.120, "position": [-0.060, 0.0, 0.006],
         "extension_range": [-0.030, 0.030], "neutral_extension": 0.0, "rate_limit": 0.005, "color": "#d98cc4",
-        "shapes": [{"kind": "cylinder", "length": 0.05, "radius": 0.009}], "notes": "Slides along the hull; sizes are ours.",
+        "shapes": [{"kind": "cylinder", "length": 0.05, "radius": 0.009}],
+        "notes": "Slides along the hull; sizes are ours.",
     }  # fmt: skip
     rigid: list[dict[str, Any]] = [
         {
-            "kind": "rigid", "name": "Fuselage", "mass": 0.392, "volume": 0.27e-3, "position": [0.0, 0.0, 0.0],
+            "kind": "rigid", "name": "Fuselage", "mass": 0.342, "volume": 0.27e-3, "position": [0.0, 0.0, 0.0],
             "inertia": {"xx": 5e-5, "yy": 0.0118, "zz": 0.0118}, "shapes": hull_shapes()[:1], "color": "#9fb3c8",
         },
         {
@@ -174,7 +176,7 @@ def three_cell_glider() -> dict[str, Any]:
             "shapes": [{"kind": "wing", "span": 0.500, "chord": 0.100, "thickness": 0.004}],
         },
         {
-            "kind": "rigid", "name": "Keel ballast", "mass": 0.070, "volume": 6.2e-6, "position": [0.0914, 0.0, 0.013],
+            "kind": "rigid", "name": "Keel ballast", "mass": 0.120, "volume": 10.6e-6, "position": [0.043, 0.0, 0.024],
             "shapes": [{"kind": "cylinder", "length": 0.06, "radius": 0.004}], "color": "#76828f",
         },
     ]  # fmt: skip
@@ -183,27 +185,27 @@ def three_cell_glider() -> dict[str, Any]:
         "version": 1,
         "name": "Three-cell glider with battery slide",
         "notes": (
-            "A made-up glider on the stand-in hull that shows what the paper's model leaves room for: three buoyancy cells "
-            "and a movable mass in one plane, each with its own rate limit and lag, mass properties composed from the "
-            "parts. The middle piston sinks and raises it, the end cells and the slide pitch it. Its sizes are ours and no "
-            "published glider's. " + HULL_NOTE
+            "A made-up glider on the stand-in hull that shows what the paper's model leaves room for: three buoyancy "
+            "cells and a movable mass in one plane, each with its own rate limit and lag, mass properties composed "
+            "from the parts. The middle piston sinks and raises it, the end cells and the slide pitch it. Its sizes are "
+            "ours and no published glider's. " + HULL_NOTE
         ),
         "vehicle": {
             "components": [*rigid, front, engine, rear, trimmer],
             "mass_properties": {"kind": "composite"},
             "hydrodynamics": standin_hydrodynamics(),
             "added_mass": standin_added_mass(enabled=True),
-            "damping": {"pitch": 0.01},
+            "damping": {"pitch": 0.02},
         },
         "mission": {
             "environment": {"water": {"kind": "uniform", "density": 1000.0}, "gravity": 9.80665, "bed_depth": 20.0},
             "initial": {"position": [0.0, 0.0, 1.0]},
             "control": {
                 "schedules": [
-                    _ramps("Middle piston", [(2.0, -0.012), (40.0, -0.012), (52.0, 0.012), (90.0, 0.012), (102.0, -0.012)]),
-                    _ramps("Battery slide", [(2.0, 0.010), (40.0, 0.010), (52.0, -0.010), (90.0, -0.010), (102.0, 0.010)]),
-                    _ramps("Front bellows", [(2.0, 0.0157), (40.0, 0.0157), (52.0, 0.0163), (90.0, 0.0163), (102.0, 0.0157)]),
-                    _ramps("Rear bellows", [(2.0, 0.0163), (40.0, 0.0163), (52.0, 0.0157), (90.0, 0.0157), (102.0, 0.0163)]),
+                    _there_and_back("Middle piston", -0.012, 0.012),
+                    _there_and_back("Battery slide", 0.012, -0.012),
+                    _there_and_back("Front bellows", 0.0157, 0.0163),
+                    _there_and_back("Rear bellows", 0.0163, 0.0157),
                 ]
             },
             "duration": 130.0,
