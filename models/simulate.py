@@ -15,7 +15,7 @@ from models.design import Design
 from models.kernel import KERNEL_HASH
 from models.kernel.integrate import CANCEL, PROGRESS, integrate
 from models.kernel.outputs import COLUMNS, outputs
-from models.kernel.params import EXTENSIONS
+from models.kernel.params import EXTENSIONS, make_record, make_work
 from models.limits import DEFAULT_LIMITS, Limits
 from models.run import CELL_VARIABLES, VARIABLES, Event, Run, Status
 
@@ -60,18 +60,17 @@ def run_assembly(assembly: Assembly, *, limits: Limits = DEFAULT_LIMITS, control
     """Integrate an assembled design and compute its outputs."""
     design, p = assembly.design, assembly.params
     mission, solver = design.mission, design.mission.solver
+    n = len(assembly.initial_state)
     capacity = math.ceil(mission.duration / solver.output_interval) + 2
-    times = np.zeros(capacity)
-    states = np.zeros((capacity, len(assembly.initial_state)))
-    events, counts = np.zeros((MAX_EVENTS, 3)), np.zeros(5, dtype=np.int64)
-    flags = control.flags if control is not None else np.zeros(2)
+    record = make_record(capacity, n, MAX_EVENTS, control.flags if control is not None else np.zeros(2))
     began = time.perf_counter()
     code = integrate(
         solver.method == "adaptive", mission.duration, solver.step, solver.output_interval, limits.steps,
-        assembly.initial_state.copy(), p, times, states, events, counts, flags,
+        assembly.initial_state.copy(), p, make_work(n, len(assembly.cells)), record,
     )  # fmt: skip
+    counts = record.counts
     samples = int(counts[0])
-    times, states = times[:samples], states[:samples]
+    times, states = record.times[:samples], record.states[:samples]
     columns = np.zeros((samples, len(COLUMNS)))
     commands, volumes = (np.zeros((samples, len(assembly.cells))) for _ in range(2))
     outputs(times, states, p, columns, commands, volumes)
@@ -85,7 +84,7 @@ def run_assembly(assembly: Assembly, *, limits: Limits = DEFAULT_LIMITS, control
     cells = {"command": commands, "extension": states[:, EXTENSIONS:], "volume": volumes}
     return Run(
         design, _dataset(times, values, cells, assembly.cells), STATUS_BY_CODE[code],
-        _events(events[: counts[1]], assembly.cells), statistics, KERNEL_HASH,
+        _events(record.events[: counts[1]], assembly.cells), statistics, KERNEL_HASH,
     )  # fmt: skip
 
 

@@ -1,5 +1,7 @@
 // The one clock of the page: everything that moves follows it.
 
+const PATIENCE = 24; // ms
+
 export class Clock {
   constructor() {
     this.t = 0;
@@ -10,6 +12,7 @@ export class Clock {
     this.listeners = [];
     this.last = 0;
     this.request = 0;
+    this.timer = 0;
     this.frame = this.frame.bind(this);
   }
 
@@ -50,9 +53,15 @@ export class Clock {
     this.playing = true;
     this.last = performance.now();
     this.tell();
-    // A quick pause and play must not leave two frame chains running.
+    this.schedule();
+  }
+
+  // A slow compositor (no graphics hardware) must not slow the clock: after PATIENCE a timer ticks instead.
+  schedule() {
     cancelAnimationFrame(this.request);
+    clearTimeout(this.timer);
     this.request = requestAnimationFrame(this.frame);
+    this.timer = setTimeout(this.frame, PATIENCE);
   }
 
   pause() {
@@ -65,10 +74,11 @@ export class Clock {
     else this.play();
   }
 
-  frame(now) {
+  frame() {
     if (!this.playing) return;
-    // A frame's time stamp may lie before the click that started the clock; a hidden tab sleeps long.
-    const passed = Math.min(Math.max(now - this.last, 0), 250) / 1000;
+    // Frames and timers take turns, so their own time stamps will not do. A hidden tab sleeps long.
+    const now = performance.now();
+    const passed = Math.min(now - this.last, 250) / 1000;
     this.last = now;
     let t = this.t + passed * this.speed;
     if (t >= this.end) {
@@ -80,6 +90,6 @@ export class Clock {
     }
     this.t = t;
     this.tell();
-    if (this.playing) this.request = requestAnimationFrame(this.frame);
+    if (this.playing) this.schedule();
   }
 }

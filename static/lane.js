@@ -178,7 +178,7 @@ export class Lane {
     this.outstanding += 1;
     const revision = await answer.then((done) => done?.revision, () => undefined);
     this.outstanding -= 1;
-    this.until = Math.max(this.until, revision ?? 0);
+    this.until = revision ?? 0;
     if (!this.settled) return;
     this.draft = null;
     this.draw();

@@ -17,8 +17,10 @@ import { Viewer } from "./viewer.js";
 const store = createStore({
   state: null,
   connected: true,
+  over: false,
   viewerLinked: true,
   busy: 0,
+  awaited: 0,
   rejected: null,
   rejectedHere: false,
   view: { follow: true, forces: true, centers: true, path: true, exaggeration: 10, camera: null },
@@ -31,8 +33,14 @@ if (dpr > 0) $("view").src = `view/?fixedDpr=${dpr}`;
 
 const actions = createActions(store);
 
+// Without a run there is nothing to point the arrows by.
+function shown() {
+  const view = store.get("view");
+  return { ...view, forces: view.forces && Boolean(store.get("state")?.run) };
+}
+
 const viewer = new Viewer($("view"), {
-  visibilityOf: (name) => visibility(name, store.get("view")),
+  visibilityOf: (name) => visibility(name, shown()),
   onDock: (left) => document.documentElement.style.setProperty("--dock", `${left}px`),
   onLink: (viewerLinked) => store.set({ viewerLinked }),
   onKey: (event) => event.key === " " && pressKey(event, clock),

@@ -5,15 +5,28 @@ import { problemNodes } from "./problem.js";
 
 const COMPONENT = /^\/vehicle\/components\/(\d+)/;
 
-// A pointer into a component leads to its folder in the editor; any other is shown as it is.
+const POINT = /^\/mission\/control\/schedules\/(\d+)\/points\/(\d+)/;
+
+const linkButton = (pointer, label, onclick) => el("button", { type: "button", class: "link", title: pointer, onclick }, label);
+
+function pointLink(pointer, state) {
+  const [, index, k] = POINT.exec(pointer) ?? [];
+  const schedule = state?.schedules.find((s) => s.index === Number(index));
+  if (!schedule?.points[k]) return null;
+  const id = CSS.escape(`point-${schedule.cell}-${k}`);
+  return linkButton(pointer, `Show ${schedule.cell}, point ${Number(k) + 1}`, () => document.querySelector(`[data-testid=${id}]`)?.focus());
+}
+
+// A pointer to a point leads to its lane, one into a component to its folder in the editor; any other is shown as it is.
 function pointerLink(state, select) {
   return (pointer) => {
+    const point = pointLink(pointer, state);
+    if (point) return point;
     const index = COMPONENT.exec(pointer)?.[1];
     const component = index === undefined ? null : state?.components[Number(index)];
     if (!component) return el("span", { class: "where" }, pointer);
     const field = pointer.split("/").slice(4).join(" ").replaceAll("_", " ");
-    return el("button", { type: "button", class: "link", title: pointer, onclick: () => select(component.index) },
-      `Show ${component.name}${field ? `: ${field}` : ""}`);
+    return linkButton(pointer, `Show ${component.name}${field ? `: ${field}` : ""}`, () => select(component.index));
   };
 }
 
@@ -33,16 +46,18 @@ function showProblem(problem, state, link) {
 }
 
 const STATUS = {
+  over: "Session over",
   offline: "Connection lost, retrying…",
   compiling: "Compiling the physics…",
   simulating: "Simulating…",
   ready: "Ready",
 };
 
-function statusOf({ state, connected, busy }) {
+function statusOf({ state, connected, over, busy, awaited }) {
+  if (over) return "over";
   if (!connected) return "offline";
   if (!state || state.kernel === "compiling") return "compiling";
-  return busy ? "simulating" : "ready";
+  return busy || state.revision < awaited ? "simulating" : "ready";
 }
 
 export function connectNotices({ store, select }) {
@@ -51,12 +66,12 @@ export function connectNotices({ store, select }) {
     showProblem(rejected ?? state?.problem, state, link);
     if (state) showWarnings(state, link);
   });
-  store.watch(["state", "connected", "busy", "viewerLinked"], (values) => {
+  store.watch(["state", "connected", "over", "busy", "awaited", "viewerLinked"], (values) => {
     const status = statusOf(values);
     $("status").dataset.state = status;
     setText($("status"), STATUS[status]);
     $("compiling").hidden = values.state?.kernel !== "compiling";
-    $("lost").hidden = values.connected && values.viewerLinked;
+    $("lost").hidden = values.over || (values.connected && values.viewerLinked);
     setText($("lost-text"), values.connected ? "The 3D view lost its connection, retrying…" : "Connection lost, retrying…");
   });
 }

@@ -1,7 +1,7 @@
 // The path through the water, x against depth, at equal scales, with the glider where the clock is.
 
 import { fixed, toDegrees } from "./format.js";
-import { cssColor, line, prepare } from "./plots.js";
+import { cssColor, line, prepare, sayEmpty } from "./plots.js";
 import { angleAt, at, extent, locate } from "./series.js";
 import { ticks } from "./timescale.js";
 
@@ -62,6 +62,7 @@ export class PathPlot {
     context.lineWidth = 1;
     context.textAlign = "center";
     context.textBaseline = "top";
+    if (!this.run) return sayEmpty(context, PAD.left + inner[0] / 2, PAD.top + inner[1] / 2);
     const across = ticks(low[0], high[0], inner[0] / 55);
     for (const x of across.values) {
       line(context, this.px(x), PAD.top, this.px(x), foot);

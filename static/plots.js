@@ -1,6 +1,6 @@
 // Time plots on canvas: drawn once per run, size or theme; what moves is laid over them.
 
-import { degrees, fixed, toDegrees } from "./format.js";
+import { NONE, degrees, fixed, toDegrees } from "./format.js";
 import { angleAt, at, extent, locate } from "./series.js";
 import { angleTicks, ticks } from "./timescale.js";
 
@@ -47,6 +47,14 @@ export function line(context, x1, y1, x2, y2) {
   context.stroke();
 }
 
+// A plot without a run says so: an empty frame could be a fault.
+export function sayEmpty(context, x, y) {
+  context.fillStyle = cssColor("--faint");
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.fillText("No glide yet", x, y);
+}
+
 export class TimePlot {
   constructor(canvas, scale, kind, { axis = false } = {}) {
     Object.assign(this, { canvas, scale, kind, ...PLOTS[kind], run: null });
@@ -80,7 +88,7 @@ export class TimePlot {
     const inner = height - this.top - this.bottom;
     this.y = (v) => this.top + (this.down ? v - low : high - v) * (inner / (high - low));
     this.drawGrid(context, low, high, inner);
-    if (!this.run) return;
+    if (!this.run) return sayEmpty(context, this.scale.x(this.scale.duration / 2), this.top + inner / 2);
     context.save();
     context.beginPath();
     context.rect(this.scale.x(0), 0, this.scale.span, this.top + inner);
@@ -98,7 +106,7 @@ export class TimePlot {
     context.strokeStyle = cssColor("--grid");
     context.fillStyle = cssColor("--faint");
     context.lineWidth = 1;
-    const vertical = this.ticks(low, high, inner > 80 ? 4 : 3);
+    const vertical = this.run ? this.ticks(low, high, inner > 80 ? 4 : 3) : { values: [] };
     context.textAlign = "right";
     context.textBaseline = "middle";
     for (const v of vertical.values) {
@@ -175,6 +183,9 @@ export class TimePlot {
   }
 
   describe(t) {
-    return this.values(t).map((v, i) => [this.series[i].label, `${this.series[i].show(v)} ${this.series[i].unit}`]);
+    return this.values(t).map((v, i) => {
+      const { label, show, unit } = this.series[i];
+      return [label, Number.isFinite(v) ? `${show(v)} ${unit}` : NONE];
+    });
   }
 }

@@ -9,7 +9,7 @@ export function createActions(store) {
     store.set({ busy: store.get("busy") + 1 });
     try {
       const answer = await call();
-      store.set({ rejected: null });
+      store.set({ rejected: null, awaited: answer?.revision ?? store.get("awaited") });
       return answer;
     } catch (error) {
       const problem = error.problem ?? { title: error.message };
@@ -40,7 +40,8 @@ async function refresh(store) {
     store.set({ state, connected: true, rejected: keep ? store.get("rejected") : null });
   } catch (error) {
     const gone = [403, 404].includes(error.problem?.status);
-    if (gone) store.set({ rejected: { title: "This session is over", detail: "Go back to the presets, or open a saved design file." }, rejectedHere: true });
+    const rejected = { title: "This session is over", detail: "Go back to the presets and open a saved design file there." };
+    if (gone) store.set({ over: true, rejected, rejectedHere: true });
     else store.set({ connected: false });
   }
 }
@@ -53,9 +54,12 @@ export function follow(store) {
     source = new EventSource("events");
     source.addEventListener("state", fetchState);
     source.addEventListener("open", () => store.set({ connected: true }));
-    source.addEventListener("error", () => {
+    source.addEventListener("error", async () => {
       store.set({ connected: false });
-      if (source.readyState === EventSource.CLOSED) setTimeout(connect, RETRY);
+      if (source.readyState !== EventSource.CLOSED) return;
+      // An event stream's refusal has no reason that script can read; the state's has.
+      await fetchState();
+      if (!store.get("over")) setTimeout(connect, RETRY);
     });
   }
   connect();

@@ -29,3 +29,5 @@ _root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
 CACHE_FOLDER = Path(os.environ.get("GLIDER_STUDIO_KERNEL_CACHE") or Path(_root) / "glider-studio")
 CACHE_FOLDER = CACHE_FOLDER / f"kernel-{KERNEL_HASH}-numba-{numba.__version__}"
 numba.config.CACHE_DIR = str(CACHE_FOLDER)  # type: ignore[attr-defined]
+# The state has about ten numbers: loops over it lose more to vector loads of freshly stored scalars than they gain.
+numba.config.LOOP_VECTORIZE = 0  # type: ignore[attr-defined]

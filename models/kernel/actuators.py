@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 
 from models.kernel.jit import compiled, inlined
-from models.kernel.params import EXTENSIONS
+from models.kernel.params import EXTENSIONS, Q, U, W, Z
 
 STEADY, LAGGING = 0.0, 1.0
-MODE, RATE, TARGET, SLOPE, START, DRIVE_COLUMNS = range(6)
+MODE, RATE, TARGET, SLOPE, START = range(5)
 SAME_TIME = 1e-12
 """Times closer than this, relative to the larger of them and 1 s, are one time."""
 
@@ -30,6 +30,21 @@ def volume_and_slope(part, e, p):
 
 
 @inlined
+def part_at(part, e, p):
+    """Return V, dV/de, the stack's volume, the moving mass's x and z, and the travel from neutral, at extension e."""
+    V, slope = volume_and_slope(part, e, p)
+    travel = e - part.neutral
+    return (
+        V,
+        slope,
+        V - part.core_volume,
+        part.moving_x + travel * part.axis_x,
+        part.moving_z + travel * part.axis_z,
+        travel,
+    )
+
+
+@inlined
 def balance_with_parts(y, p):
     """Return mass_x, mass_z, inertia_yy, volume, volume_x, volume_z of the vehicle at the state's extensions."""
     b = p.body[0]
@@ -37,14 +52,11 @@ def balance_with_parts(y, p):
     volume, volume_x, volume_z = b.volume, b.volume_x, b.volume_z
     for i in range(p.parts.shape[0]):
         part = p.parts[i]
-        travel = y[EXTENSIONS + i] - part.neutral
-        x_m = part.moving_x + travel * part.axis_x
-        z_m = part.moving_z + travel * part.axis_z
+        V, _slope, stack, x_m, z_m, travel = part_at(part, y[EXTENSIONS + i], p)
+        growth = 0.5 * part.grows * travel * stack
         mass_x += part.moving_mass * x_m
         mass_z += part.moving_mass * z_m
         inertia += part.moving_mass * (x_m * x_m + z_m * z_m)
-        V, _slope = volume_and_slope(part, y[EXTENSIONS + i], p)
-        growth = 0.5 * part.grows * travel * (V - part.core_volume)
         volume += V
         volume_x += V * part.x + growth * part.axis_x
         volume_z += V * part.z + growth * part.axis_z
@@ -61,29 +73,36 @@ def extension_rate(t, e, part, d):
 
 
 @inlined
-def parts_power(t, y, p, drive, dy, s, c):
-    """Write the extension rates into `dy` and return the power of the actuators: dU/de e' + nu^T dM_RB/de nu e' / 2."""
+def move_parts(t, y, p, drive, dy, s, c):
+    """Write the extension rates into `dy`; return what `balance_with_parts` does, and the power of the actuators.
+
+    The power is the sum of (dU/de + nu^T dM_RB/de nu / 2) e' over the parts, W.
+    """
     b = p.body[0]
-    u, w, q = y[3], y[4], y[5]
+    u, w, q = y[U], y[W], y[Q]
+    mass_x, mass_z, inertia = b.mass_x, b.mass_z, b.inertia_yy
+    volume, volume_x, volume_z = b.volume, b.volume_x, b.volume_z
     power = 0.0
     for i in range(p.parts.shape[0]):
         part = p.parts[i]
         e = y[EXTENSIONS + i]
+        V, slope, stack, x_m, z_m, travel = part_at(part, e, p)
+        mass_x += part.moving_mass * x_m
+        mass_z += part.moving_mass * z_m
+        inertia += part.moving_mass * (x_m * x_m + z_m * z_m)
+        growth = 0.5 * part.grows * travel * stack
+        volume += V
+        volume_x += V * part.x + growth * part.axis_x
+        volume_z += V * part.z + growth * part.axis_z
         rate = extension_rate(t, e, part, drive[i])
         dy[EXTENSIONS + i] = rate
-        travel = e - part.neutral
-        V, slope = volume_and_slope(part, e, p)
-        growth = 0.5 * part.grows * (travel * slope + V - part.core_volume)
-        volume_x = slope * part.x + growth * part.axis_x
-        volume_z = slope * part.z + growth * part.axis_z
-        net_x = part.moving_mass * part.axis_x - b.density * volume_x
-        net_z = part.moving_mass * part.axis_z - b.density * volume_z
-        potential = b.gravity * (b.density * slope * y[1] + s * net_x - c * net_z)
-        along = part.axis_x * (part.moving_x + travel * part.axis_x)
-        along += part.axis_z * (part.moving_z + travel * part.axis_z)
-        kinetic = part.moving_mass * q * (u * part.axis_z - w * part.axis_x + q * along)
-        power += rate * (potential + kinetic)
-    return power
+        swelling = 0.5 * part.grows * (travel * slope + stack)
+        net_x = part.moving_mass * part.axis_x - b.density * (slope * part.x + swelling * part.axis_x)
+        net_z = part.moving_mass * part.axis_z - b.density * (slope * part.z + swelling * part.axis_z)
+        potential = b.gravity * (b.density * slope * y[Z] + s * net_x - c * net_z)
+        kinetic = q * (u * part.axis_z - w * part.axis_x + q * (part.axis_x * x_m + part.axis_z * z_m))
+        power += rate * (potential + part.moving_mass * kinetic)
+    return mass_x, mass_z, inertia, volume, volume_x, volume_z, power
 
 
 @inlined
@@ -157,4 +176,4 @@ def begin_segment(t, y, p, drive):
     return max(end, t + SAME_TIME * max(1.0, t))
 
 
-__all__ = ["DRIVE_COLUMNS", "balance_with_parts", "begin_segment", "command", "parts_power", "volume_and_slope"]
+__all__ = ["balance_with_parts", "begin_segment", "command", "move_parts", "volume_and_slope"]

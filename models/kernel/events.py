@@ -7,6 +7,8 @@ from models.kernel.params import EXTENSIONS, Z
 from models.kernel.step import interpolate_one, make_dense
 
 NOTHING, SURFACE, BED, STOP = range(4)
+EVENT = 1
+"""Where `Record.counts` counts events."""
 SURFACE_SLACK = 1e-9
 """The surface event fires this far above z = 0 (m), so that rounding in a glider floating at rest does not fire it."""
 STOP_SHARE = 1e-6
@@ -19,21 +21,23 @@ def distance_to(kind, z, p):
     return z + SURFACE_SLACK if kind == SURFACE else p.body[0].bed_depth - z
 
 
+@inlined
+def event_due(y, y1, p):
+    """Whether the body origin crosses the surface or the bed between two states."""
+    return (y1[Z] < -SURFACE_SLACK and y[Z] >= -SURFACE_SLACK) or (
+        y1[Z] > p.body[0].bed_depth and y[Z] <= p.body[0].bed_depth
+    )
+
+
 @compiled
-def find_event(pair, h, y, y1, k, p, dense):
-    """Return the kind of the event within the step (0: none) and the fraction of the step where it happens."""
-    kind = NOTHING
-    if distance_to(SURFACE, y1[Z], p) < 0.0 and distance_to(SURFACE, y[Z], p) >= 0.0:
-        kind = SURFACE
-    elif distance_to(BED, y1[Z], p) < 0.0 and distance_to(BED, y[Z], p) >= 0.0:
-        kind = BED
-    if kind == NOTHING:
-        return NOTHING, 1.0
-    make_dense(pair, h, y, y1, k, dense)
+def find_event(pair, h, y, p, work):
+    """Return the kind of the event within the step from y to `work.y1`, and at which fraction of it that happens."""
+    kind = SURFACE if work.y1[Z] < -SURFACE_SLACK else BED
+    make_dense(pair, h, y, work)
     low, high = 0.0, 1.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if distance_to(kind, interpolate_one(middle, y, dense, Z), p) < 0.0:
+        if distance_to(kind, interpolate_one(middle, y, work.dense, Z), p) < 0.0:
             high = middle
         else:
             low = middle
@@ -47,34 +51,48 @@ def stop_side(e, part):
     return -1 if e <= part.stop_low + slack else (1 if e >= part.stop_high - slack else 0)
 
 
-@compiled
-def scan_stops(t, h, y, y1, dense, p, at_stop, events, counts):
-    """Note which parts reached a stop between t (state y) and t + h (state y1); one at rest there is noted once.
+@inlined
+def note_stops(y, p, work):
+    """Note where the parts are, without an event."""
+    for i in range(p.parts.shape[0]):
+        work.at_stop[i] = stop_side(y[EXTENSIONS + i], p.parts[i])
 
-    With h = 0 the states are the same instant and `dense` is not read.
+
+@inlined
+def stop_is_new(y, p, work):
+    """Whether some part's place at its stops differs from the noted one."""
+    changed = False
+    for i in range(p.parts.shape[0]):
+        changed |= stop_side(y[EXTENSIONS + i], p.parts[i]) != work.at_stop[i]
+    return changed
+
+
+@compiled
+def scan_stops(t, h, y, y1, p, work, record):
+    """Record which parts reached a stop between t (state y) and t + h (state y1); one at rest there is recorded once.
+
+    With h = 0 the states are the same instant; else `work.dense` must hold the step's polynomial.
     """
     for i in range(p.parts.shape[0]):
         side = stop_side(y1[EXTENSIONS + i], p.parts[i])
-        if side != 0 and side != at_stop[i]:
+        if side != 0 and side != work.at_stop[i]:
             low, high = 0.0, 1.0
             for _ in range(50 if h > 0.0 else 0):
                 middle = 0.5 * (low + high)
-                if stop_side(interpolate_one(middle, y, dense, EXTENSIONS + i), p.parts[i]) == side:
+                if stop_side(interpolate_one(middle, y, work.dense, EXTENSIONS + i), p.parts[i]) == side:
                     high = middle
                 else:
                     low = middle
-            if counts[1] < events.shape[0] - 1:
-                events[counts[1], 0] = t + high * h
-                events[counts[1], 1] = STOP
-                events[counts[1], 2] = i
-                counts[1] += 1
-        at_stop[i] = side
+            if record.counts[EVENT] < record.events.shape[0] - 1:  # the last row is kept for the end of the run
+                add_event(t + high * h, STOP, i, record)
+        work.at_stop[i] = side
 
 
-@compiled
-def stop_is_new(y1, p, at_stop):
-    """Whether some part's place at its stops differs from the noted one."""
-    for i in range(p.parts.shape[0]):
-        if stop_side(y1[EXTENSIONS + i], p.parts[i]) != at_stop[i]:
-            return True
-    return False
+@inlined
+def add_event(t, kind, part, record):
+    """Append one event."""
+    row = record.counts[EVENT]
+    record.events[row, 0] = t
+    record.events[row, 1] = kind
+    record.events[row, 2] = part
+    record.counts[EVENT] = row + 1

@@ -4,32 +4,44 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from models.kernel.actuators import DRIVE_COLUMNS, begin_segment
-from models.kernel.events import BED, STOP, SURFACE, find_event, scan_stops, stop_is_new, stop_side
+from models.kernel.actuators import begin_segment
+from models.kernel.events import SURFACE, add_event, event_due, find_event, note_stops, scan_stops, stop_is_new
 from models.kernel.jit import compiled, inlined
 from models.kernel.params import EXTENSIONS, WORK_ACTUATORS
 from models.kernel.planar import derivative, energies
 from models.kernel.step import interpolate, make_dense, next_factor, pair_step, rk4_step
 
-COMPLETED, AT_SURFACE, AT_BED, DIVERGED, STEP_TOO_SMALL, TOO_MANY_STEPS, CANCELLED = range(7)
+COMPLETED, AT_SURFACE, AT_BED, DIVERGED, STEP_TOO_SMALL, TOO_MANY_STEPS, CANCELLED, RUNNING = range(8)
 CANCEL, PROGRESS = 0, 1
+SAMPLES, EVENTS, ACCEPTED, REJECTED, EVALUATIONS = range(5)
 SMALLEST_STEP = 1e-11
+"""Shortest step, relative to the time reached and to 1 s."""
 FIRST_STEP = 1e-3
+"""First trial of the adaptive pair, s; the controller finds its own within a few steps."""
 
 
 @inlined
-def enter_segment(t, y, p, drive, scratch):
+def copy_state(source, target):
+    """Copy one state."""
+    for j in range(source.shape[0]):
+        target[j] = source[j]
+
+
+@inlined
+def enter_segment(t, y, p, work, record):
     """Begin a segment, charging the actuators for any jump; return when the segment ends."""
     kinetic, potential = energies(y, p)
-    scratch[:] = y
-    end = begin_segment(t, y, p, drive)
+    copy_state(y, work.held)
+    end = begin_segment(t, y, p, work.drive)
+    jumped = False
     for j in range(EXTENSIONS, y.shape[0]):
-        if scratch[j] != y[j]:
-            kinetic_after, potential_after = energies(y, p)
-            y[WORK_ACTUATORS] += kinetic_after + potential_after - kinetic - potential
-            break
+        jumped |= work.held[j] != y[j]
+    if jumped:
+        kinetic_after, potential_after = energies(y, p)
+        y[WORK_ACTUATORS] += kinetic_after + potential_after - kinetic - potential
+    scan_stops(t, 0.0, y, y, p, work, record)
+    derivative(t, y, p, work.drive, work.k[0])
+    record.counts[EVALUATIONS] += 1
     return end
 
 
@@ -42,117 +54,93 @@ def all_finite(y):
     return total == 0.0
 
 
+@inlined
+def sample_step(pair, t, h, until, interval, y, work, record):
+    """Record the samples that fall into the step from t to `until`, its end excluded."""
+    row = record.counts[SAMPLES]
+    if row < record.times.shape[0] and row * interval < until:
+        make_dense(pair, h, y, work)
+        while row < record.times.shape[0] and row * interval < until:
+            record.times[row] = row * interval
+            interpolate((row * interval - t) / h, y, work.dense, record.states[row])
+            row += 1
+        record.counts[SAMPLES] = row
+
+
+@inlined
+def finish(t, y, record):
+    """Record the last state."""
+    row = record.counts[SAMPLES]
+    record.times[row] = t
+    copy_state(y, record.states[row])
+    record.counts[SAMPLES] = row + 1
+    record.control[PROGRESS] = t
+
+
 @compiled
-def integrate(pair, duration, step, interval, max_steps, y, p, times, states, events, counts, control):
-    """Integrate from time 0, sampling every `interval`; return a status code.
+def integrate(pair, duration, step, interval, max_steps, y, p, work, record):
+    """Integrate from time 0 to `duration` (s), sampling every `interval` (s); return a status code.
 
-    Parameters
-    ----------
-    pair : bool
-        Adaptive 5(4) pair, else RK4 with `step` seconds.
-    y : (n,) initial state, advanced in place to the final one.
-    times, states : (samples,), (samples, n), filled.
-    events : (rows, 3) filled with time, kind, part; of further stops only the count is kept.
-    counts : (5,) integers, filled: samples, events, accepted steps, rejected steps, evaluations.
-    control : (2,) floats: set [CANCEL] to stop early; [PROGRESS] is the time reached, s.
-
+    `pair` chooses the adaptive 5(4) pair, else RK4 takes steps of `step` (s), shortened only to end at a breakpoint.
+    `y` (n,) is the initial state and is advanced in place; `work` and `record` are described in params.py.
     """
-    n = y.shape[0]
-    k = np.zeros((7, n))
-    y1 = np.empty(n)
-    dense = np.empty((4, n))
-    scratch = np.empty(n)
-    drive = np.zeros((p.parts.shape[0], DRIVE_COLUMNS))
-    at_stop = np.zeros(p.parts.shape[0], dtype=np.int64)
-    for i in range(p.parts.shape[0]):
-        at_stop[i] = stop_side(y[EXTENSIONS + i], p.parts[i])
-    t = 0.0
-    h = step if not pair else min(FIRST_STEP, duration)
-    previous = 1.0
+    counts = record.counts
     last = 6 if pair else 4
-    status = COMPLETED
-    running = True
-    while running:
-        segment_end = min(enter_segment(t, y, p, drive, scratch), duration)
-        scan_stops(t, 0.0, y, y, dense, p, at_stop, events, counts)
-        derivative(t, y, p, drive, k[0])
-        counts[4] += 1
+    t, h, previous = 0.0, (min(FIRST_STEP, duration) if pair else step), 1.0
+    status = RUNNING
+    note_stops(y, p, work)
+    while status == RUNNING:
+        segment_end = min(enter_segment(t, y, p, work, record), duration)
         start, taken = t, 0
-        while t < segment_end:
-            remaining = segment_end - t
-            ends_segment = h >= remaining * (1.0 - 1e-12)
-            size = remaining if ends_segment else h
+        while t < segment_end and status == RUNNING:
+            ends_segment = h >= (segment_end - t) * (1.0 - 1e-12)
+            size = segment_end - t if ends_segment else h
             if pair:
-                error = pair_step(t, size, y, y1, k, p, drive)
-                counts[4] += 6
+                error = pair_step(t, size, y, p, work)
+                counts[EVALUATIONS] += 6
                 if not error <= 1.0:
-                    counts[3] += 1
+                    counts[REJECTED] += 1
                     h = size * min(next_factor(error, previous), 0.9)
                     if h < SMALLEST_STEP * max(1.0, t):
                         status = STEP_TOO_SMALL if math.isfinite(error) else DIVERGED
-                        running = False
-                        break
-                    if counts[2] + counts[3] >= max_steps:
-                        status, running = TOO_MANY_STEPS, False
-                        break
+                    elif counts[ACCEPTED] + counts[REJECTED] >= max_steps:
+                        status = TOO_MANY_STEPS
                     continue
                 factor = next_factor(error, previous)
                 previous = max(error, 1e-4)
                 if not ends_segment or factor < 1.0:
                     h = size * factor
             else:
-                rk4_step(t, size, y, y1, k, p, drive)
-                counts[4] += 4
-            if not all_finite(y1):
-                status, running = DIVERGED, False
-                break
+                rk4_step(t, size, y, p, work)
+                counts[EVALUATIONS] += 4
+            if not all_finite(work.y1):
+                status = DIVERGED
+                continue
             taken += 1
-            counts[2] += 1
-            t1 = segment_end if ends_segment else (t + size if pair else start + taken * step)
-            kind, share = find_event(pair, size, y, y1, k, p, dense)
-            t_stop = t1 if kind == 0 else t + share * size
-            row = counts[0]
-            if row < times.shape[0] and row * interval < t_stop:
-                make_dense(pair, size, y, y1, k, dense)
-                while row < times.shape[0] and row * interval < t_stop:
-                    times[row] = row * interval
-                    interpolate((times[row] - t) / size, y, dense, states[row])
-                    row += 1
-                counts[0] = row
-            if kind != 0:
-                make_dense(pair, size, y, y1, k, dense)
-                interpolate(share, y, dense, scratch)
-                y[:] = scratch
-                t = t_stop
-                events[counts[1], 0], events[counts[1], 1], events[counts[1], 2] = t, kind, -1.0
-                counts[1] += 1
+            counts[ACCEPTED] += 1
+            reached = segment_end if ends_segment else (t + size if pair else start + taken * step)
+            if event_due(y, work.y1, p):
+                kind, share = find_event(pair, size, y, p, work)
+                sample_step(pair, t, size, t + share * size, interval, y, work, record)
+                interpolate(share, y, work.dense, work.held)
+                copy_state(work.held, y)
+                t += share * size
+                add_event(t, kind, -1, record)
                 status = AT_SURFACE if kind == SURFACE else AT_BED
-                running = False
-                break
-            if stop_is_new(y1, p, at_stop):
-                make_dense(pair, size, y, y1, k, dense)
-                scan_stops(t, size, y, y1, dense, p, at_stop, events, counts)
-            y[:] = y1
-            k[0, :] = k[last, :]
-            t = t1
-            control[PROGRESS] = t
-            if control[CANCEL] != 0.0:
-                status, running = CANCELLED, False
-                break
-            if counts[2] + counts[3] >= max_steps and t < duration:
-                status, running = TOO_MANY_STEPS, False
-                break
-        if t >= duration:
-            running = False
-    row = counts[0]
-    times[row] = t
-    states[row, :] = y
-    counts[0] = row + 1
-    control[PROGRESS] = t
+                continue
+            sample_step(pair, t, size, reached, interval, y, work, record)
+            if stop_is_new(work.y1, p, work):
+                make_dense(pair, size, y, work)
+                scan_stops(t, size, y, work.y1, p, work, record)
+            copy_state(work.y1, y)
+            copy_state(work.k[last], work.k[0])
+            t = reached
+            record.control[PROGRESS] = t
+            if record.control[CANCEL] != 0.0:
+                status = CANCELLED
+            elif counts[ACCEPTED] + counts[REJECTED] >= max_steps and t < duration:
+                status = TOO_MANY_STEPS
+        if status == RUNNING and t >= duration:
+            status = COMPLETED
+    finish(t, y, record)
     return status
-
-
-__all__ = [
-    "AT_BED", "AT_SURFACE", "BED", "CANCEL", "CANCELLED", "COMPLETED", "DIVERGED", "PROGRESS", "STEP_TOO_SMALL",
-    "STOP", "SURFACE", "TOO_MANY_STEPS", "integrate",
-]  # fmt: skip

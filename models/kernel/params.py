@@ -53,3 +53,43 @@ class Params(NamedTuple):
     table: NDArray[np.float64]  # (pieces + 1, 1 + 3 n): alpha where it begins, then n coefficients of L, D, M
     lookup: NDArray[np.int64]  # (buckets,): piece at the lower edge of each equal bucket of alpha over [-pi, pi]
     error_scale: NDArray[np.float64]  # (state,): what an error of `tolerance` means in each state
+
+
+class Work(NamedTuple):
+    """Scratch arrays of one run, made outside the kernel: it allocates nothing, so no reference is ever counted."""
+
+    k: NDArray[np.float64]  # (7, n) slopes of the stages
+    y1: NDArray[np.float64]  # (n,) state after the step
+    dense: NDArray[np.float64]  # (4, n) polynomial within the step
+    held: NDArray[np.float64]  # (n,) a state kept for a moment
+    drive: NDArray[np.float64]  # (parts, 5) how each part moves in the present segment (actuators.py)
+    at_stop: NDArray[np.int64]  # (parts,) -1, 0, 1: lower stop, between, upper stop
+
+
+class Record(NamedTuple):
+    """What a run leaves behind, and how it is watched."""
+
+    times: NDArray[np.float64]  # (samples,) s
+    states: NDArray[np.float64]  # (samples, n)
+    events: NDArray[np.float64]  # (rows, 3) time, kind, part; further stops are not kept once it is full
+    counts: NDArray[np.int64]  # (5,) samples, events, accepted steps, rejected steps, evaluations
+    control: NDArray[np.float64]  # (2,) set [0] to stop early; [1] is the time reached, s
+
+
+def make_work(states: int, parts: int) -> Work:
+    """Return fresh scratch arrays for a state of `states` numbers and `parts` actuated parts."""
+    return Work(
+        k=np.zeros((7, states)),
+        y1=np.zeros(states),
+        dense=np.zeros((4, states)),
+        held=np.zeros(states),
+        drive=np.zeros((parts, 5)),
+        at_stop=np.zeros(parts, dtype=np.int64),
+    )
+
+
+def make_record(samples: int, states: int, events: int, control: NDArray[np.float64]) -> Record:
+    """Return an empty record with room for `samples` samples and `events` events."""
+    return Record(
+        np.zeros(samples), np.zeros((samples, states)), np.zeros((events, 3)), np.zeros(5, dtype=np.int64), control
+    )

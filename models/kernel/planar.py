@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from models.kernel.actuators import balance_with_parts, parts_power
+from models.kernel.actuators import balance_with_parts, move_parts
 from models.kernel.jit import compiled, inlined
 from models.kernel.params import EXTENSIONS, THETA, WORK_ACTUATORS, WORK_WATER, Q, U, W, X, Z
 from models.kernel.scalar import TINY, atan2, sincos
@@ -30,14 +30,13 @@ def evaluate_law(alpha, p):
     row = p.table[k]
     s = alpha - row[0]
     n = (row.shape[0] - 1) // 3
-    lift = 0.0
-    drag = 0.0
-    moment = 0.0
-    for j in range(n, 4, -1):
-        lift = lift * s + row[j]
-        drag = drag * s + row[n + j]
-        moment = moment * s + row[2 * n + j]
-    for j in range(4, 0, -1):
+    if n == 4:
+        lift = row[1] + s * (row[2] + s * (row[3] + s * row[4]))
+        drag = row[5] + s * (row[6] + s * (row[7] + s * row[8]))
+        moment = row[9] + s * (row[10] + s * (row[11] + s * row[12]))
+        return lift, drag, moment
+    lift = drag = moment = 0.0
+    for j in range(n, 0, -1):
         lift = lift * s + row[j]
         drag = drag * s + row[n + j]
         moment = moment * s + row[2 * n + j]
@@ -50,8 +49,9 @@ def hydrodynamics(u, w, p):
     b = p.body[0]
     v2 = u * u + w * w
     speed = math.sqrt(v2)
-    ca = u / (speed + TINY)
-    sa = w / (speed + TINY)
+    per_speed = 1.0 / (speed + TINY)
+    ca = u * per_speed
+    sa = w * per_speed
     alpha = atan2(w, u)
     lift, drag, moment = evaluate_law(alpha, p)
     scale = b.force_scale * v2
@@ -72,16 +72,17 @@ def munk_excess(u, w, b):
 @inlined
 def solve_symmetric(m11, m12, m13, m22, m23, m33, r1, r2, r3):
     """Solve the symmetric positive definite 3x3 system by elimination without pivoting."""
-    f12 = m12 / m11
-    f13 = m13 / m11
-    s22 = m22 - f12 * m12
+    per_m11 = 1.0 / m11
+    f12 = m12 * per_m11
+    f13 = m13 * per_m11
+    per_s22 = 1.0 / (m22 - f12 * m12)
     s23 = m23 - f12 * m13
-    s33 = m33 - f13 * m13
+    f23 = s23 * per_s22
     y2 = r2 - f12 * r1
-    f23 = s23 / s22
-    x3 = (r3 - f13 * r1 - f23 * y2) / (s33 - f23 * s23)
-    x2 = (y2 - s23 * x3) / s22
-    return (r1 - m12 * x2 - m13 * x3) / m11, x2, x3
+    per_s33 = 1.0 / (m33 - f13 * m13 - f23 * s23)
+    x3 = (r3 - f13 * r1 - f23 * y2) * per_s33
+    x2 = (y2 - s23 * x3) * per_s22
+    return (r1 - m12 * x2 - m13 * x3) * per_m11, x2, x3
 
 
 @compiled
@@ -93,7 +94,7 @@ def derivative(t, y, p, drive, dy):
     b = p.body[0]
     u, w, q = y[U], y[W], y[Q]
     s, c = sincos(y[THETA])
-    mass_x, mass_z, inertia, volume, volume_x, volume_z = balance_with_parts(y, p)
+    mass_x, mass_z, inertia, volume, volume_x, volume_z, power = move_parts(t, y, p, drive, dy, s, c)
     _lift, _drag, moment, X_h, Z_h, _alpha, _speed = hydrodynamics(u, w, p)
     moment -= munk_excess(u, w, b)
     X_w = X_h - b.d11 * u
@@ -123,7 +124,7 @@ def derivative(t, y, p, drive, dy):
     dy[W] = dw
     dy[Q] = dq
     dy[WORK_WATER] = u * X_w + w * Z_w + q * M_w
-    dy[WORK_ACTUATORS] = parts_power(t, y, p, drive, dy, s, c)
+    dy[WORK_ACTUATORS] = power
 
 
 @compiled

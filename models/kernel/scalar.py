@@ -1,6 +1,7 @@
 """Owns sine, cosine and arctangent without branches or library calls, so that loops over designs can vectorise.
 
-Cephes Math Library (S. Moshier, 1984-2000) polynomials; errors below 2e-16 (`sincos`, |x| < 1e5) and 5e-16 (`atan2`).
+Polynomials: Cephes Math Library (S. Moshier, 1984-2000) for sine and cosine, fdlibm (Sun Microsystems, 1993) for the
+arctangent; errors below 2e-16 (`sincos`, |x| < 1e5) and 5e-16 (`atan2`).
 """
 
 from __future__ import annotations
@@ -46,19 +47,17 @@ def atan2(y, x):
     small = ax if steep else ay
     large = ay if steep else ax
     far = small > 0.41421356237309503 * large
-    t = ((small - large) if far else small) / ((small + large if far else large) + TINY)
+    t = ((small - large) if far else small) / max((small + large) if far else large, TINY)
     q = t * t
-    p = -8.750608600031904122785e-1
-    p = p * q - 1.615753718733365076637e1
-    p = p * q - 7.500855792314704667340e1
-    p = p * q - 1.228866684490136173410e2
-    p = p * q - 6.485021904942025371773e1
-    d = q + 2.485846490142306297962e1
-    d = d * q + 1.650270098316988542046e2
-    d = d * q + 4.328810604912902668951e2
-    d = d * q + 4.853903996359136964868e2
-    d = d * q + 1.945506571482613964425e2
-    angle = t + t * (q * p / d)
+    r = q * q
+    r2 = r * r
+    odd = 3.33333333333329318027e-1 + r * 1.42857142725034663711e-1
+    odd += r2 * (9.09088713343650656196e-2 + r * 6.66107313738753120669e-2)
+    odd += r2 * r2 * (4.97687799461593236017e-2 + r * 1.62858201153657823623e-2)
+    even = -1.99999999998764832476e-1 - r * 1.11111104054623557880e-1
+    even -= r2 * (7.69187620504482999495e-2 + r * 5.83357013379057348645e-2)
+    even -= r2 * r2 * 3.65315727442169155270e-2
+    angle = t - t * (q * odd + r * even)
     angle = (0.7853981633974483 + angle) if far else angle
     angle = (1.5707963267948966 - angle) if steep else angle
     angle = (3.141592653589793 - angle) if x < 0.0 else angle

@@ -1,7 +1,6 @@
 """Owns one step of each method, and the polynomial between its ends. Both leave y1 and the polynomial's coefficients.
 
-Arrays of a run: `k` (7, n) slopes, `y1` (n,) new state, `dense` (4, n) with
-y(t + s h) = y + s (d0 + s (d1 + s (d2 + s d3))).
+The arrays are those of `Work`; `dense` means y(t + s h) = y + s (d0 + s (d1 + s (d2 + s d3))).
 """
 
 from __future__ import annotations
@@ -18,30 +17,32 @@ D = tableau.D
 E = tableau.E
 
 
-@compiled
-def rk4_step(t, h, y, y1, k, p, drive):
+@inlined
+def rk4_step(t, h, y, p, work):
     """Advance by the classical Runge-Kutta method; k[0] holds the slope at (t, y), k[4] takes that at the end."""
     n = y.shape[0]
+    k, y1 = work.k, work.y1
     half = 0.5 * h
     for j in range(n):
         y1[j] = y[j] + half * k[0, j]
-    derivative(t + half, y1, p, drive, k[1])
+    derivative(t + half, y1, p, work.drive, k[1])
     for j in range(n):
         y1[j] = y[j] + half * k[1, j]
-    derivative(t + half, y1, p, drive, k[2])
+    derivative(t + half, y1, p, work.drive, k[2])
     for j in range(n):
         y1[j] = y[j] + h * k[2, j]
-    derivative(t + h, y1, p, drive, k[3])
+    derivative(t + h, y1, p, work.drive, k[3])
     sixth = h / 6.0
     for j in range(n):
         y1[j] = y[j] + sixth * (k[0, j] + 2.0 * (k[1, j] + k[2, j]) + k[3, j])
-    derivative(t + h, y1, p, drive, k[4])
+    derivative(t + h, y1, p, work.drive, k[4])
 
 
-@compiled
-def pair_step(t, h, y, y1, k, p, drive):
+@inlined
+def pair_step(t, h, y, p, work):
     """Advance by Dormand-Prince 5(4); return the largest scaled error (1 is `tolerance`). The last slope is k[6]."""
     n = y.shape[0]
+    k, y1 = work.k, work.y1
     for i in range(1, 7):
         for j in range(n):
             y1[j] = A[i, 0] * k[0, j]
@@ -51,7 +52,7 @@ def pair_step(t, h, y, y1, k, p, drive):
                 y1[j] += a * k[m, j]
         for j in range(n):
             y1[j] = y[j] + h * y1[j]
-        derivative(t + C[i] * h, y1, p, drive, k[i])
+        derivative(t + C[i] * h, y1, p, work.drive, k[i])
     worst = 0.0
     for j in range(n):
         error = E[0] * k[0, j]
@@ -63,31 +64,25 @@ def pair_step(t, h, y, y1, k, p, drive):
     return worst
 
 
-@inlined
-def hermite(h, y, y1, k, last, dense):
-    """Set `dense` to the cubic through both states with both slopes."""
-    for j in range(y.shape[0]):
-        rise = y1[j] - y[j]
-        start = h * k[0, j]
-        finish = h * k[last, j]
-        dense[0, j] = start
-        dense[1, j] = 3.0 * rise - 2.0 * start - finish
-        dense[2, j] = start + finish - 2.0 * rise
-        dense[3, j] = 0.0
-
-
 @compiled
-def make_dense(pair, h, y, y1, k, dense):
-    """Set the polynomial of the step just taken."""
-    if not pair:
-        hermite(h, y, y1, k, 4, dense)
-        return
-    for r in range(4):
-        for j in range(y.shape[0]):
-            total = 0.0
-            for m in range(7):
-                total += D[m, r] * k[m, j]
-            dense[r, j] = h * total
+def make_dense(pair, h, y, work):
+    """Set `work.dense` to the polynomial of the step just taken: the pair's own, or the cubic through RK4's ends."""
+    k, y1, dense = work.k, work.y1, work.dense
+    for j in range(y.shape[0]):
+        if pair:
+            for r in range(4):
+                total = 0.0
+                for m in range(7):
+                    total += D[m, r] * k[m, j]
+                dense[r, j] = h * total
+        else:
+            rise = y1[j] - y[j]
+            start = h * k[0, j]
+            finish = h * k[4, j]
+            dense[0, j] = start
+            dense[1, j] = 3.0 * rise - 2.0 * start - finish
+            dense[2, j] = start + finish - 2.0 * rise
+            dense[3, j] = 0.0
 
 
 @inlined

@@ -95,8 +95,8 @@ def canete_dual_bellows() -> dict[str, Any]:
             "there. Cells, hull and forces are not the paper's, which prints no numbers for them. "
             + HULL_NOTE
             + " The paper's V0 makes the glider neutral without its bellows; here the cells at neutral extension "
-            "count, so that only changes unbalance it. The front cell takes 0.02 N away for 10 s, then adds 0.02 N: the "
-            "size of the paper's tank run."
+            "count, so that only changes unbalance it. The front cell takes 0.02 N away for 10 s, then adds 0.02 N: "
+            "the size of the paper's tank run."
         ),
         "vehicle": {
             "components": [
@@ -187,8 +187,8 @@ def three_cell_glider() -> dict[str, Any]:
         "notes": (
             "A made-up glider on the stand-in hull that shows what the paper's model leaves room for: three buoyancy "
             "cells and a movable mass in one plane, each with its own rate limit and lag, mass properties composed "
-            "from the parts. The middle piston sinks and raises it, the end cells and the slide pitch it. Its sizes are "
-            "ours and no published glider's. " + HULL_NOTE
+            "from the parts. The middle piston sinks and raises it, the end cells and the slide pitch it. Its sizes "
+            "are ours and no published glider's. " + HULL_NOTE
         ),
         "vehicle": {
             "components": [*rigid, front, engine, rear, trimmer],
