@@ -1,0 +1,1 @@
+"""The services and the REST interface around the physics: settings, editing, previews and routes."""

@@ -1,0 +1,110 @@
+"""Owns the one shape of every error, `application/problem+json` (RFC 9457), and the handlers that make it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Mapping
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import Response
+from pydantic_core import to_json
+from starlette.exceptions import HTTPException
+from starlette.routing import Match
+
+from models.problems import DesignError, Problem, echo, pointer_to
+
+PROBLEM_JSON = "application/problem+json"
+MOST_ERRORS = 100
+TITLES = {413: "Content Too Large"}
+"""Names that newer versions of Python changed."""
+NOT_DESIGN = "The document cannot be used as it is"
+_log = logging.getLogger(__name__)
+
+
+class MalformedJsonError(DesignError):
+    """A body is not JSON at all."""
+
+
+def problem_response(
+    status: int,
+    title: str,
+    *,
+    detail: str | None = None,
+    errors: Iterable[Problem] = (),
+    headers: Mapping[str, str] | None = None,
+) -> Response:
+    """Return an answer in the shape of RFC 9457; of very many errors only the first are told."""
+    problems = tuple(errors)
+    shown = [problem.as_dict() for problem in problems[:MOST_ERRORS]]
+    if len(problems) > MOST_ERRORS:
+        detail = f"{len(problems)} errors, of which the first {MOST_ERRORS} are listed"
+    content: dict[str, Any] = {"type": "about:blank", "title": title, "status": status}
+    if detail is not None:
+        content["detail"] = detail
+    content["errors"] = shown
+    return Response(to_json(content, inf_nan_mode="null"), status, headers, media_type=PROBLEM_JSON)
+
+
+def design_problem(error: DesignError) -> Response:
+    """Return the answer to a wrong document: 400 where it is not JSON, else 422."""
+    if isinstance(error, MalformedJsonError):
+        return problem_response(400, "The body is not JSON", detail=error.problems[0].message, errors=error.problems)
+    detail = str(error.problems[0]) if len(error.problems) == 1 else f"{len(error.problems)} errors"
+    return problem_response(422, NOT_DESIGN, detail=detail, errors=error.problems)
+
+
+def install_error_handlers(app: FastAPI) -> None:
+    """Make every error of `app` a problem document."""
+    app.add_exception_handler(DesignError, _on_design_error)
+    app.add_exception_handler(RequestValidationError, _on_invalid_request)
+    app.add_exception_handler(HTTPException, _on_http_error)
+    app.add_exception_handler(Exception, _on_crash)
+
+
+async def _on_design_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, DesignError)
+    return design_problem(error)
+
+
+async def _on_invalid_request(request: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)
+    problems = []
+    for item in error.errors():
+        place, *path = item["loc"]
+        where = "" if place == "body" else f"{place} parameter {echo('.'.join(map(str, path)))}: "
+        pointer = pointer_to(*path) if place == "body" else ""
+        problems.append(Problem(pointer, f"{where}{item['msg']}, not {echo(item['input'])}"))
+    return problem_response(422, "The request cannot be used as it is", errors=problems)
+
+
+async def _on_http_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    status, headers = error.status_code, error.headers
+    title = TITLES.get(status) or HTTPStatus(status).phrase
+    detail = error.detail if error.detail != HTTPStatus(status).phrase else None
+    if status == 404 and detail is None:
+        detail = f"there is nothing at {echo(request.url.path)}"
+    if status == 405:
+        allowed = ", ".join(_methods_at(request)) or (headers or {}).get("Allow", "")
+        detail, headers = f"{request.method} is not possible here; possible: {allowed}", {"Allow": allowed}
+    return problem_response(status, title, detail=detail, headers=headers)
+
+
+def _methods_at(request: Request) -> list[str]:
+    """Return the methods that any route has for a request's path; the framework names those of one route only."""
+    scope = {key: request.scope[key] for key in ("type", "path", "root_path", "headers", "query_string")}
+    routes = request.app.router.routes
+    return [
+        method
+        for method in ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
+        if any(route.matches(scope | {"method": method})[0] is Match.FULL for route in routes)
+    ]
+
+
+async def _on_crash(request: Request, error: Exception) -> Response:
+    _log.error("%s %s failed", request.method, request.url.path, exc_info=error)
+    detail = "this is a fault of the program; its log says more"
+    return problem_response(500, "The server failed", detail=detail)

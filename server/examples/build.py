@@ -1,0 +1,143 @@
+"""Owns the making of examples.json: it sends each example request to the program and keeps what was answered.
+
+Run `python -m server.examples.build` after a change of the API, the presets or the physics.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import httpx
+
+from models.design import Design, parse_design
+from models.presets import load_preset
+from models.warm import warm_kernel
+from server.app import API, create_app
+from server.editing import apply_patch
+from server.live import LiveSession
+from server.settings import Settings
+
+FILE = Path(__file__).parent / "examples.json"
+PRESET = "three-cell-glider"
+SESSION = "demo"
+THIRD_CELL = {
+    "kind": "piston",
+    "name": "Tail piston",
+    "mass": 0.05,
+    "volume": 5e-5,
+    "volume_range": [3e-5, 7e-5],
+    "position": [-0.1, 0.0, 0.01],
+}
+"""A cell needs no more than this."""
+TABLE_ANGLES = (0.0, 5.0, 10.0, 20.0, 45.0, 90.0)
+
+
+def example_design() -> Design:
+    """Return a preset cut short for reading: two bellows, one speed and few angles of its table, 10 s."""
+    document = load_preset("canete-dual-bellows").model_dump(mode="json")
+    document |= {"name": "Example glider", "notes": "A preset cut short, to show the interface; not for use."}
+    vehicle, mission = document["vehicle"], document["mission"]
+    for component in vehicle["components"]:
+        component |= {"shapes": [], "notes": ""}
+    table = vehicle["hydrodynamics"]
+    speed = max(table["row_speed"])
+    rows = [
+        k
+        for k, (v, alpha) in enumerate(zip(table["row_speed"], table["row_alpha_deg"], strict=True))
+        if v == speed and alpha in TABLE_ANGLES
+    ]
+    for name in [name for name in table if name.startswith("row_")]:
+        table[name] = [table[name][k] for k in rows]
+    vehicle["mass_properties"] = {"kind": "composite"}
+    mission |= {"duration": 10.0}
+    mission["control"]["schedules"] = mission["control"]["schedules"][:1]
+    for schedule in mission["control"]["schedules"]:
+        schedule["points"] = [p for p in schedule["points"] if p["time"] <= mission["duration"]]
+    return parse_design(document)
+
+
+class DemoSession:
+    """An open session without a browser."""
+
+    def __init__(self, design: Design) -> None:
+        self._design = design
+
+    @property
+    def design(self) -> Design:
+        """The document as it is now."""
+        return self._design
+
+    def edit(self, patch: Sequence[Mapping[str, Any]]) -> Design:
+        """Apply a JSON Patch."""
+        self._design = apply_patch(self._design, patch)
+        return self._design
+
+
+class DemoSessions:
+    """Open sessions that are always as at the start, so that examples do not depend on their order."""
+
+    def get(self, session_id: str) -> LiveSession | None:
+        """Return the one session there is, or None."""
+        return DemoSession(example_design()) if session_id == SESSION else None
+
+
+def example_requests() -> dict[str, dict[str, Any]]:
+    """Return, by operation, the method and path, the parameters and the body of a worked example."""
+    design = example_design().model_dump(mode="json", exclude_defaults=True)
+    design = {"format": "glider-design", "version": 1} | design
+    add = [{"op": "add", "path": "/vehicle/components/-", "value": THIRD_CELL}]
+    first_cell = next(c.name for _, c in example_design().vehicle.actuated)
+    options = {"max_points": 5, "columns": ["x", "z", "theta", "extension"]}
+    return {
+        "get_health": {"at": ("GET", "/healthz")},
+        "list_presets": {"at": ("GET", f"{API}/presets")},
+        "get_preset": {"at": ("GET", f"{API}/presets/{{preset_id}}"), "parameters": {"preset_id": PRESET}},
+        "get_design_schema": {"at": ("GET", f"{API}/schemas/design")},
+        "validate_design": {"at": ("POST", f"{API}/designs:validate"), "request": design},
+        "edit_design": {"at": ("POST", f"{API}/designs:edit"), "request": {"design": design, "patch": add}},
+        "trim_ballast": {"at": ("POST", f"{API}/designs:trim-ballast"), "request": {"design": design}},
+        "get_session_design": {
+            "at": ("GET", f"{API}/sessions/{{session_id}}/design"), "parameters": {"session_id": SESSION},
+        },
+        "edit_session_design": {
+            "at": ("PATCH", f"{API}/sessions/{{session_id}}/design"), "parameters": {"session_id": SESSION},
+            "request": [{"op": "replace", "path": "/mission/duration", "value": 20.0}],
+        },
+        "preview_simulation": {
+            "at": ("POST", f"{API}/simulations:preview"), "request": {"design": design, "options": options},
+        },
+        "analyze_mass": {
+            "at": ("POST", f"{API}/analyses:mass"),
+            "request": {"design": design, "options": {"extensions": {first_cell: 0.02}}},
+        },
+    }  # fmt: skip
+
+
+def _shortened(name: str, response: Any) -> Any:
+    if name == "get_design_schema":
+        # the whole of it is what the operation answers; an example needs its beginning
+        return {key: response[key] for key in ("$schema", "title", "type", "required")}
+    return response
+
+
+async def build() -> dict[str, Any]:
+    """Ask every example and return all with what was answered."""
+    await asyncio.to_thread(warm_kernel)
+    transport = httpx.ASGITransport(create_app(Settings(host="127.0.0.1"), live=DemoSessions()))
+    examples = {}
+    async with httpx.AsyncClient(transport=transport, base_url="http://localhost") as client:
+        for name, example in example_requests().items():
+            method, path = example.pop("at")
+            url = path.format(**example.get("parameters", {}))
+            answer = await client.request(method, url, json=example.get("request"))
+            answer.raise_for_status()
+            examples[name] = example | {"response": _shortened(name, answer.json())}
+    return examples
+
+
+if __name__ == "__main__":
+    FILE.write_text(json.dumps(asyncio.run(build()), indent=1, ensure_ascii=False) + "\n")

@@ -1,0 +1,143 @@
+"""Owns the preview: one capped run at once, and its answer as JSON, CSV or NetCDF. It knows no HTTP."""
+
+from __future__ import annotations
+
+import dataclasses
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.assemble import assemble
+from models.design import Design
+from models.kernel.params import EXTENSIONS
+from models.limits import Limits
+from models.problems import DesignError, Problem, pointer_to
+from models.run import CELL_VARIABLES, VARIABLES, Run, Status
+from models.simulate import Control, run_assembly
+from models.warm import kernel_is_ready, warm_kernel
+from server.decimation import choose_samples
+from server.schemas import COLUMN_NAMES
+from server.settings import Settings
+
+DEFAULT_POINTS = 2000
+
+
+@dataclass(frozen=True)
+class PreviewRun:
+    """A run, how it ended in words, and what the user should be warned of."""
+
+    run: Run
+    message: str
+    warnings: tuple[Problem, ...]
+
+
+def preview_limits(design: Design, settings: Settings) -> Limits:
+    """Return the limits of a preview: its samples are fewer, the more cells each of them describes."""
+    cells = len(design.vehicle.actuated)
+    numbers_a_sample = 1 + EXTENSIONS + len(VARIABLES) + (1 + len(CELL_VARIABLES)) * cells
+    samples = min(settings.max_samples, settings.preview_numbers // numbers_a_sample)
+    steps = min(settings.max_steps, settings.preview_steps)
+    return dataclasses.replace(settings.limits, samples=samples, steps=steps)
+
+
+def run_preview(design: Design, settings: Settings, control: Control) -> PreviewRun:
+    """Simulate a design within the limits of a preview; waits for the kernel's compilation first.
+
+    Raises
+    ------
+    DesignError
+        Where the design cannot be simulated, or asks for more than a preview gives.
+
+    """
+    limits = preview_limits(design, settings)
+    assembly = assemble(design, limits)
+    if not kernel_is_ready():
+        warm_kernel()
+    out_of_time = threading.Event()
+
+    def stop() -> None:
+        out_of_time.set()
+        control.cancel()
+
+    timer = threading.Timer(settings.preview_seconds, stop)
+    timer.daemon = True
+    timer.start()
+    try:
+        run = run_assembly(assembly, limits=limits, control=control)
+    finally:
+        timer.cancel()
+    message = run.status.value
+    if run.status is Status.cancelled and out_of_time.is_set():
+        message = (
+            f"The preview was stopped after {settings.preview_seconds:g} s of computing, at t = "
+            f"{control.time_reached:.6g} s; what was computed is kept. Shorten the mission or raise the tolerance."
+        )
+    return PreviewRun(run, message, assembly.warnings)
+
+
+def check_columns(columns: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the columns asked for, each once, and all where none are; raises `DesignError` for an unknown one."""
+    if columns is None:
+        return COLUMN_NAMES
+    problems = [
+        Problem(pointer_to("options", "columns", i), f"there is no column '{name}'", hint=f"use {_listed()}")
+        for i, name in enumerate(columns)
+        if name not in COLUMN_NAMES
+    ]
+    if problems:
+        raise DesignError(problems)
+    return tuple(name for name in COLUMN_NAMES if name in columns)
+
+
+def _listed() -> str:
+    return ", ".join(COLUMN_NAMES)
+
+
+def thinned(run: Run, max_points: int | None) -> Run:
+    """Return a run with at most `max_points` samples that keep the extremes of every variable over time."""
+    if max_points is None or run.data.sizes["time"] <= max_points:
+        return run
+    series = [run.data[name].values for name in VARIABLES]
+    series += [column for name in CELL_VARIABLES for column in run.data[name].values.T]
+    return dataclasses.replace(run, data=run.data.isel(time=choose_samples(series, max_points)))
+
+
+def as_mapping(preview: PreviewRun, columns: Sequence[str], max_points: int | None) -> dict[str, Any]:
+    """Return a run as plain values: samples of the columns that were asked for, with their extremes."""
+    run = preview.run
+    data = run.data
+    series: dict[str, NDArray[np.float64]] = {name: data[name].values for name in VARIABLES if name in columns}
+    of_cells = {name: data[name].values for name in CELL_VARIABLES if name in columns}
+    shown = [*series.values(), *(column for table in of_cells.values() for column in table.T)]
+    times = data["time"].values
+    samples = choose_samples(shown or [times], max_points or DEFAULT_POINTS)
+    return {
+        "status": run.status.name,
+        "message": preview.message,
+        "events": [{"time": e.time, "kind": e.kind, "cell": e.cell, "label": str(e)} for e in run.events],
+        "units": {"t": "s"} | _units(VARIABLES, series) | _units(CELL_VARIABLES, of_cells),
+        "columns": {"t": times[samples].tolist()} | {name: values[samples].tolist() for name, values in series.items()},
+        "cells": [
+            {"name": str(cell)} | {name: table[samples, j].tolist() for name, table in of_cells.items()}
+            for j, cell in enumerate(data["cell"].values)
+        ],
+        "final": {"t": float(times[-1])} | {name: float(data[name].values[-1]) for name in VARIABLES},
+        "energy": _energy(run),
+        "statistics": run.statistics,
+        "warnings": [problem.as_dict() for problem in preview.warnings],
+    }
+
+
+def _units(table: Mapping[str, tuple[str, str]], shown: Mapping[str, Any]) -> dict[str, str]:
+    return {name: table[name][0] for name in shown}
+
+
+def _energy(run: Run) -> dict[str, float]:
+    residual = float(np.abs(run.data["energy_residual"].values).max())
+    exchanged = run.energy_exchanged
+    relative = residual / exchanged if exchanged > 0.0 else 0.0
+    return {"residual": residual, "exchanged": exchanged, "relative_residual": relative}

@@ -1,0 +1,57 @@
+"""Owns /presets: the designs that come with the program."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+from fastapi import APIRouter
+from fastapi.responses import Response
+from starlette.exceptions import HTTPException
+
+from models.design import Design
+from models.presets import load_preset, preset_ids
+from models.problems import echo
+from server.answers import json_answer
+from server.openapi import operation
+from server.schemas import PresetItem, PresetList
+
+LONGEST_SUMMARY = 220
+router = APIRouter(tags=["presets"])
+
+
+def summarize(notes: str) -> str:
+    """Return the first sentences of some notes that fit, or the beginning of the first, cut at a word."""
+    # a full stop after a single letter is an initial, not the end of a sentence
+    sentences = re.split(r"(?<=[\w)\]'\"%][\w)\]'\"%][.!?])\s+(?=[A-Z])", notes.strip())
+    summary = sentences[0]
+    for sentence in sentences[1:]:
+        if len(summary) + 1 + len(sentence) > LONGEST_SUMMARY:
+            break
+        summary = f"{summary} {sentence}"
+    if len(summary) <= LONGEST_SUMMARY:
+        return summary
+    return summary[: LONGEST_SUMMARY - 1].rsplit(" ", 1)[0].rstrip(" ,;:") + "…"
+
+
+@cache
+def _preset(preset_id: str) -> Design:
+    return load_preset(preset_id)
+
+
+@router.get("/presets", response_model=PresetList, summary="List the presets", **operation("list_presets"))
+def list_presets() -> Response:
+    """List the designs that come with the program, each with the beginning of its notes."""
+    named = [(name, _preset(name)) for name in preset_ids()]
+    return json_answer(
+        PresetList(items=[PresetItem(id=name, name=d.name, summary=summarize(d.notes)) for name, d in named])
+    )
+
+
+@router.get("/presets/{preset_id}", response_model=Design, summary="Get a preset", **operation("get_preset", 404))
+def get_preset(preset_id: str) -> Response:
+    """Answer a preset's whole document, ready to be edited or simulated."""
+    if preset_id not in preset_ids():
+        known = ", ".join(preset_ids())
+        raise HTTPException(404, f"there is no preset {echo(preset_id)}; there are {known}")
+    return json_answer(_preset(preset_id))

@@ -1,0 +1,68 @@
+"""Owns the answer to how a vehicle weighs and floats, whole and component by component."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from models.components import Rigid
+from models.design import Design
+from models.mass_properties import (
+    component_center_of_buoyancy,
+    component_center_of_mass,
+    initial_extensions,
+    mass_balance,
+)
+from models.problems import Problem, pointer_to
+from models.volumes import volume
+from server.schemas import ComponentMass, ErrorItem, MassProperties
+
+
+def weigh(design: Design, extensions: Mapping[str, float] | None = None) -> MassProperties:
+    """Return mass properties at the given extensions (m, by name), and at the initial ones where not named."""
+    at = initial_extensions(design) | dict(extensions or {})
+    balance = mass_balance(design.vehicle, at)
+    environment = design.mission.environment
+    return MassProperties(
+        mass=balance.mass,
+        center_of_mass=balance.center_of_mass.tolist(),
+        inertia=balance.inertia.tolist(),
+        volume=balance.volume,
+        center_of_buoyancy=balance.center_of_buoyancy.tolist(),
+        net_buoyancy=balance.net_buoyancy(environment.water.density, environment.gravity),
+        components=[
+            ComponentMass(
+                name=component.name,
+                kind=component.kind,
+                mass=component.mass,
+                center_of_mass=component_center_of_mass(component, extension).tolist(),
+                volume=volume(component, extension),
+                center_of_buoyancy=component_center_of_buoyancy(component, extension).tolist(),
+                extension=None if isinstance(component, Rigid) else extension,
+            )
+            for component in design.vehicle.components
+            for extension in (at.get(component.name, 0.0),)
+        ],
+    )
+
+
+def as_items(problems: Iterable[Problem]) -> list[ErrorItem]:
+    """Return problems (or warnings) as they go on the wire."""
+    return [ErrorItem(**problem.as_dict()) for problem in problems]
+
+
+def extension_problems(design: Design, extensions: Mapping[str, float], pointer: str) -> list[Problem]:
+    """Return what is wrong with extensions (m, by name) that were sent at `pointer`: names and stops."""
+    moving = {component.name: component for _, component in design.vehicle.actuated}
+    problems = []
+    for name, extension in extensions.items():
+        at = pointer + pointer_to(name)
+        if name not in moving:
+            names = ", ".join(f"'{known}'" for known in moving) or "none"
+            problems.append(Problem(at, f"no component that moves is named '{name}'", hint=f"those are: {names}"))
+            continue
+        low, high = moving[name].stroke
+        slack = 1e-9 * (high - low)
+        if not low - slack <= extension <= high + slack:
+            message = f"extension {extension:g} m of '{name}' lies outside its stops [{low:g}, {high:g}] m"
+            problems.append(Problem(at, message, low if extension < low else high, "stay within the stops"))
+    return problems
