@@ -14,6 +14,9 @@ from models.limits import Limits
 from models.mass_properties import inertia_matrix, initial_extensions, mass_balance
 from models.problems import DesignError, Problem, pointer_to
 
+FIXED_COLUMNS, COLUMNS_PER_CELL = 33, 4
+"""Numbers kept a sample: the variables over time with the states, and those of each cell with its state."""
+
 
 def check_design(design: Design, limits: Limits, build_law: Callable[[PolarTable], HydrodynamicLaw]) -> HydrodynamicLaw:
     """Return the hydrodynamic law of a design that can be simulated; else raise `DesignError` with all problems."""
@@ -35,6 +38,8 @@ def _limit_problems(design: Design, limits: Limits) -> Iterator[Problem]:
     solver = mission.solver
     points = sum(len(s.points) for s in mission.control.schedules)
     samples = mission.duration / solver.output_interval
+    columns = FIXED_COLUMNS + COLUMNS_PER_CELL * len(vehicle.actuated)
+    most = min(limits.samples, limits.numbers // columns)
     counts = [
         ("/vehicle/components", "components", len(vehicle.components), limits.components, "remove some"),
         ("/mission/control/schedules", "schedule points", points, limits.schedule_points, "use fewer points"),
@@ -45,8 +50,8 @@ def _limit_problems(design: Design, limits: Limits) -> Iterator[Problem]:
         ("/mission/duration", "seconds", mission.duration, limits.duration, "shorten the mission"),
         (
             "/mission/solver/output_interval", "samples of the result",
-            math.ceil(samples), limits.samples,
-            f"use an interval of at least {mission.duration / limits.samples:.3g} s",
+            math.ceil(samples), most,
+            f"use an interval of at least {mission.duration / most:.3g} s",
         ),
     ]  # fmt: skip
     if solver.method == "rk4":

@@ -131,7 +131,9 @@ def loads_design(content: str | bytes) -> Design:
     """Parse the text of a design file; raises `DesignError` also where it is not JSON."""
     try:
         document = json.loads(content, parse_constant=_refuse_constant)
-    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
+    except DesignError:
+        raise
+    except (ValueError, RecursionError) as error:  # not JSON, not UTF-8, or a number of thousands of digits
         raise DesignError([Problem("", f"the file is not JSON: {error}")]) from None
     return parse_design(document)
 

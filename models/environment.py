@@ -11,7 +11,7 @@ class UniformWater(Description):
     """Still water of one density."""
 
     kind: Literal["uniform"] = text("Which water this is: of one density.", default="uniform")
-    density: float = quantity("Density.", unit="kg/m3", symbol="rho", gt=0.0, le=2e4, default=1000.0)
+    density: float = quantity("Density.", unit="kg/m3", symbol="rho", ge=1e-3, le=2e4, default=1000.0)
 
 
 class Environment(Description):

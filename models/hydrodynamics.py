@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from models.fields import Description, Vector3, quantity, text, vector
 
 Degrees = Annotated[float, Field(strict=True, ge=0.0, le=90.0)]
-Speed = Annotated[float, Field(strict=True, gt=0.0, le=100.0)]
+Speed = Annotated[float, Field(strict=True, ge=1e-4, le=100.0)]
 Force = Annotated[float, Field(strict=True, ge=-1e9, le=1e9)]
 MAX_ROWS = 20_000
 SMALLEST_SPACING_DEG = 0.01
@@ -41,7 +41,7 @@ class PolarTable(Description):
         unit="m/s", symbol="V_data", default=None,
     )  # fmt: skip
     reference_density: float = quantity(
-        "Density at which the forces were taken.", unit="kg/m3", symbol="rho_ref", gt=0.0, le=2e4, default=1000.0
+        "Density at which the forces were taken.", unit="kg/m3", symbol="rho_ref", ge=1e-3, le=2e4, default=1000.0
     )
     reference_point: Vector3 = vector(
         "Point about which the moment was taken, body axes.", unit="m", symbol="r_ref", default=(0.0, 0.0, 0.0)
@@ -84,12 +84,15 @@ class PolarTable(Description):
             raise ValueError(f"the columns differ in length: {lengths}")
         if self.speed is not None and self.speed not in self.row_speed:
             raise ValueError(f"no row has the chosen speed {self.speed} m/s; the data have {list(self.speeds)} m/s")
-        for speed in self.speeds:
-            self._check_grid(speed)
+        grids: dict[float, list[float]] = {}
+        for angle, speed in zip(self.row_alpha_deg, self.row_speed, strict=True):
+            grids.setdefault(speed, []).append(angle)
+        for speed, angles in grids.items():
+            self._check_grid(speed, angles)
         return self
 
-    def _check_grid(self, speed: float) -> None:
-        angles = [a for a, v in zip(self.row_alpha_deg, self.row_speed, strict=True) if v == speed]
+    @staticmethod
+    def _check_grid(speed: float, angles: list[float]) -> None:
         for a, b in pairwise(angles):
             if b - a < SMALLEST_SPACING_DEG:
                 raise ValueError(
@@ -113,7 +116,7 @@ class AddedMass(Description):
     matrix: Matrix6 = vector("Symmetric 6x6 matrix: kg, kg m and kg m2 by block.", unit="kg, kg m, kg m2", symbol="M_A")
     density: float = quantity(
         "Density at which the matrix holds; it scales with the water's.",
-        unit="kg/m3", symbol="rho_ref", gt=0.0, le=2e4, default=1000.0,
+        unit="kg/m3", symbol="rho_ref", ge=1e-3, le=2e4, default=1000.0,
     )  # fmt: skip
     source: str = text("Where the matrix comes from.", default="", max_length=4000)
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 class Limits:
     """Largest design and mission that is accepted.
 
-    `steps` bounds the integrator: about a second of computing for a planar glide with two cells.
+    `samples` bounds the result in time, `numbers` in memory (samples times columns); `steps` bounds the integrator:
+    about a second of computing for a planar glide with two cells.
     """
 
     components: int = 256
@@ -17,6 +18,7 @@ class Limits:
     table_rows: int = 10_000
     duration: float = 7 * 86_400.0
     samples: int = 500_000
+    numbers: int = 20_000_000
     steps: int = 5_000_000
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.components import Component, Inertia, MovableMass, Rigid
-from models.design import DeclaredMass, Design, Vehicle
+from models.design import DeclaredMass, Design, Vehicle, parse_design
 from models.problems import DesignError, Problem, pointer_to
 from models.volumes import core_volume, grows_along_axis, unit_axis, volume
 
@@ -164,4 +164,5 @@ def trim_ballast(design: Design, component: str | None = None) -> tuple[Design, 
     trimmed = body.model_copy(update={"volume": needed})
     components = (*vehicle.components[:index], trimmed, *vehicle.components[index + 1 :])
     changed = design.model_copy(update={"vehicle": vehicle.model_copy(update={"components": components})})
+    changed = parse_design(changed.model_dump(mode="json"))  # a copy is not checked against the fields' limits
     return changed, BallastChange(body.name, pointer, body.volume, needed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
@@ -55,9 +56,11 @@ def pointer_to(*tokens: object) -> str:
 
 def echo(value: Any) -> str:
     """Return a short, finite rendering of a value a user gave."""
-    if isinstance(value, dict | list | tuple):
-        return f"{type(value).__name__} of {len(value)}"
-    rendered = repr(value)
+    if isinstance(value, dict):
+        return f"an object of {len(value)}"
+    if isinstance(value, list | tuple):
+        return f"an array of {len(value)}"
+    rendered = repr(value) if isinstance(value, str) else json.dumps(value, default=str)
     return rendered if len(rendered) <= LONGEST_ECHO else rendered[: LONGEST_ECHO - 1] + "…"
 
 

@@ -97,22 +97,20 @@ class Run:
     @property
     def final(self) -> dict[str, float]:
         """The last sample of every variable over time, by name, and its time `t`."""
-        last = self.data.isel(time=-1)
-        return {"t": float(last["time"])} | {name: float(last[name]) for name in VARIABLES}
+        return {"t": float(self.data["time"].values[-1])} | {n: float(self.data[n].values[-1]) for n in VARIABLES}
 
     @property
     def energy_exchanged(self) -> float:
         """Largest magnitude of any energy or work in the balance, J: what the residual is compared with."""
-        d = self.data
-        potential = d["potential_energy"] - d["potential_energy"][0]
-        parts = (d["kinetic_energy"], potential, d["actuator_work"], d["water_work"])
-        return max(float(np.abs(part).max()) for part in parts)
+        potential = self.data["potential_energy"].values
+        parts = [self.data[name].values for name in ("kinetic_energy", "actuator_work", "water_work")]
+        return max(float(np.abs(part).max()) for part in (*parts, potential - potential[0]))
 
     @property
     def relative_residual(self) -> float:
         """Largest energy residual as a share of the energy exchanged (0 where nothing moved)."""
         exchanged = self.energy_exchanged
-        return float(np.abs(self.data["energy_residual"]).max()) / exchanged if exchanged > 0.0 else 0.0
+        return float(np.abs(self.data["energy_residual"].values).max()) / exchanged if exchanged > 0.0 else 0.0
 
     def to_netcdf(self, path: Path | None = None) -> bytes:
         """Return the run as NetCDF 4, and write it to `path` where one is given."""
@@ -152,7 +150,7 @@ class Run:
         """Return the run as CSV, one row a sample, units in the header; write it to `path` where one is given."""
         columns, header = self._flat_columns()
         lines = [",".join(header)]
-        lines += [",".join(f"{value:.12g}" for value in row) for row in np.column_stack(columns)]
+        lines += [",".join(map(repr, row)) for row in np.column_stack(columns).tolist()]  # repr loses no digit
         content = "\n".join(lines) + "\n"
         if path is not None:
             path.write_text(content)

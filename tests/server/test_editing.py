@@ -53,9 +53,9 @@ def test_an_empty_patch_changes_nothing():
     ("operation", "pointer", "says"),
     [
         (7, "/patch/1", "an operation is an object, not int"),
-        ({"path": "/name"}, "/patch/1/op", "there is no operation None"),
+        ({"path": "/name"}, "/patch/1/op", "there is no operation null"),
         ({"op": "jump", "path": "/name"}, "/patch/1/op", "'jump'"),
-        ({"op": ["add"], "path": "/name"}, "/patch/1/op", "list of 1"),
+        ({"op": ["add"], "path": "/name"}, "/patch/1/op", "an array of 1"),
         ({"op": "add", "path": "/name"}, "/patch/1/value", "needs 'value'"),
         ({"op": "remove"}, "/patch/1/path", "needs 'path'"),
         ({"op": "move", "path": "/name"}, "/patch/1/from", "needs 'from'"),
@@ -72,7 +72,7 @@ def test_an_empty_patch_changes_nothing():
         ({"op": "copy", "from": "/vehicle/components/-", "path": "/name"}, "/patch/1/from", "past the end"),
         ({"op": "move", "from": "/vehicle", "path": "/vehicle/components/0"}, "/patch/1/path", "own children"),
         ({"op": "test", "path": "/version", "value": 2}, "/patch/1/value", "'/version' is 1, not 2"),
-        ({"op": "test", "path": "/version", "value": True}, "/patch/1/value", "is 1, not True"),
+        ({"op": "test", "path": "/version", "value": True}, "/patch/1/value", "is 1, not true"),
         ({"op": "test", "path": "/nome", "value": 2}, "/patch/1/path", "nothing at '/nome'"),
     ],
 )

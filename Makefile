@@ -1,0 +1,66 @@
+# Two commands: `make studio` starts the studio, `make test` runs every check. Both set the environment up first.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+
+.PHONY: studio test setup setup-dev lint unit browser-tests chromium warm bench docs presets lock clean
+
+studio: setup
+	@$(BIN)/glider-studio serve
+
+test: setup-dev chromium lint unit
+
+setup: $(VENV)/run.stamp
+setup-dev: $(VENV)/dev.stamp
+
+$(VENV)/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; set PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/run.stamp: requirements/run.txt pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/run.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps -e .
+	@touch $@
+
+$(VENV)/dev.stamp: requirements/dev.txt $(VENV)/run.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.txt
+	@touch $@
+
+lint:
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+unit:
+	$(BIN)/python -m pytest
+
+browser-tests: setup-dev chromium
+	$(BIN)/python -m pytest tests/browser
+
+# Debian's Chromium drives the browser tests; installed where that is allowed, else the tests say that it is missing.
+chromium:
+	@command -v chromium >/dev/null || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
+	  && apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium fonts-dejavu-core; } \
+	  || echo "chromium is missing and cannot be installed here: the browser tests will fail"
+
+warm: setup
+	$(BIN)/python -c 'from models.warm import warm_kernel; warm_kernel()'
+
+bench: setup-dev
+	$(BIN)/python -m benchmarks.planar
+	$(BIN)/python -m benchmarks.latency
+
+docs: setup-dev
+	$(BIN)/python -m docs.make_paper
+
+presets: setup
+	$(BIN)/python -m models.presets.build
+
+# Needs uv. The files name no index and carry the hashes of every platform's wheels.
+lock:
+	uv pip compile pyproject.toml --extra build --universal --python-version 3.11 --generate-hashes --no-annotate --no-header -q -o requirements/run.txt
+	uv pip compile pyproject.toml --extra build --extra dev -c requirements/run.txt --universal --python-version 3.11 --generate-hashes --no-annotate --no-header -q -o requirements/dev.txt
+
+clean:
+	rm -rf $(VENV)

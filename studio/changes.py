@@ -1,0 +1,189 @@
+"""Owns the changes of a design that touch several places at once, as JSON Patches: adding, renaming, removing parts."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from models.components import Bladder, Component, Rigid
+from models.design import Design
+from models.problems import DesignError, Problem, pointer_to
+from studio.bodies import drawn_extent
+
+Operation = dict[str, Any]
+Patch = list[Operation]
+
+NAMES = {
+    "bellows": "Bellows",
+    "piston": "Piston",
+    "bladder": "Bladder",
+    "movable_mass": "Movable mass",
+    "rigid": "Part",
+}
+COMPONENT = re.compile(r"/vehicle/components/(\d+)(/name)?")
+
+
+def _new_component(kind: str) -> dict[str, Any]:
+    match kind:
+        case "bellows":
+            return {
+                "mass": 0.03, "pleats": 8, "inner_radius": 0.016, "outer_radius": 0.024, "fixed_volume": 1e-4,
+                "extension_range": [0.0, 0.032], "neutral_extension": 0.016, "rate_limit": 0.002,
+            }  # fmt: skip
+        case "piston":
+            return {"mass": 0.05, "volume": 4e-5, "volume_range": [3e-5, 5e-5], "area": 5e-4, "rate_limit": 0.002}
+        case "bladder":
+            return {
+                "mass": 0.02, "extensions": [0.0, 0.01, 0.02], "volumes": [1e-5, 2e-5, 3e-5],
+                "neutral_extension": 0.01, "rate_limit": 0.002,
+            }  # fmt: skip
+        case "movable_mass":
+            return {"mass": 0.05, "extension_range": [-0.03, 0.03], "neutral_extension": 0.0, "rate_limit": 0.005}
+        case "rigid":
+            cube = {"kind": "cylinder", "length": 0.03, "radius": 0.008}
+            return {"mass": 0.02, "volume": 6e-6, "shapes": [cube]}
+        case _:
+            raise DesignError([Problem("/vehicle/components", f"there is no kind of component '{kind}'")])
+
+
+def free_name(design: Design, wanted: str) -> str:
+    """Return the wanted name, or the first of 'wanted 2', 'wanted 3', … that no component has."""
+    taken = {c.name for c in design.vehicle.components}
+    if wanted not in taken:
+        return wanted
+    number = 2
+    while f"{wanted} {number}" in taken:
+        number += 1
+    return f"{wanted} {number}"
+
+
+def free_place(design: Design) -> float:
+    """Return the x of the widest gap between the drawn cells along the vehicle, m, in whole millimetres."""
+    parts = design.vehicle.components
+    reach = [(c.position[0] + e[0], c.position[0] + e[1]) for c in parts for e in [drawn_extent(c)]]
+    low, high = min(r[0] for r in reach), max(r[1] for r in reach)
+    cells = sorted(r for c, r in zip(parts, reach, strict=True) if not isinstance(c, Rigid))
+    gaps, end = [], low
+    for a, b in cells:
+        gaps.append((a - end, (a + end) / 2.0))
+        end = max(end, b)
+    gaps.append((high - end, (high + end) / 2.0))
+    return round(max(gaps)[1], 3)
+
+
+def added(design: Design, kind: str) -> Patch:
+    """Return the patch that adds a small component of a kind in the widest gap."""
+    component = _new_component(kind) | {
+        "kind": kind, "name": free_name(design, NAMES[kind]), "position": [free_place(design), 0.0, 0.0]
+    }  # fmt: skip
+    return [{"op": "add", "path": "/vehicle/components/-", "value": component}]
+
+
+def duplicated(design: Design, index: int) -> Patch:
+    """Return the patch that adds a copy of a component beside it, without its colour and schedule."""
+    original = component_at(design, index)
+    low, high = drawn_extent(original)
+    x, y, z = original.position
+    shift = round(max(high - low, 0.01) * 1.1, 3)
+    document = original.model_dump(mode="json")
+    document |= {"name": free_name(design, original.name), "position": [x + shift, y, z], "color": None}
+    if original.center_of_mass is not None:
+        gx, gy, gz = original.center_of_mass
+        document["center_of_mass"] = [gx + shift, gy, gz]
+    if isinstance(original, Rigid):
+        document["color"] = original.color
+    return [{"op": "add", "path": "/vehicle/components/-", "value": document}]
+
+
+def component_at(design: Design, index: int) -> Component:
+    """Return a component by index; raises `DesignError` where there is none."""
+    if not 0 <= index < len(design.vehicle.components):
+        raise DesignError([Problem(pointer_to("vehicle", "components", index), "there is no such component")])
+    return design.vehicle.components[index]
+
+
+def index_of(design: Design, name: str) -> int:
+    """Return the index of a component by name; raises `DesignError` where there is none."""
+    for i, component in enumerate(design.vehicle.components):
+        if component.name == name:
+            return i
+    raise DesignError([Problem("/vehicle/components", f"no component is named '{name}'")])
+
+
+def renamed(design: Design, index: int, name: Any) -> Patch:
+    """Return the patch that renames a component, its schedules and its initial extension."""
+    old = component_at(design, index).name
+    patch: Patch = [{"op": "replace", "path": pointer_to("vehicle", "components", index, "name"), "value": name}]
+    if not isinstance(name, str) or name == old:
+        return patch
+    for i, schedule in enumerate(design.mission.control.schedules):
+        if schedule.cell == old:
+            path = pointer_to("mission", "control", "schedules", i, "cell")
+            patch.append({"op": "replace", "path": path, "value": name})
+    if old in design.mission.initial.extensions:
+        folder = ("mission", "initial", "extensions")
+        patch.append({"op": "move", "from": pointer_to(*folder, old), "path": pointer_to(*folder, name)})
+    return patch
+
+
+def removed(design: Design, index: int) -> Patch:
+    """Return the patch that removes a component, its schedules and its initial extension."""
+    name = component_at(design, index).name
+    if len(design.vehicle.components) == 1:
+        hint = "add another component first"
+        raise DesignError([Problem("/vehicle/components", "the last component cannot be removed", limit=1, hint=hint)])
+    patch: Patch = [{"op": "remove", "path": pointer_to("vehicle", "components", index)}]
+    schedules = design.mission.control.schedules
+    for i in reversed([i for i, schedule in enumerate(schedules) if schedule.cell == name]):
+        patch.append({"op": "remove", "path": pointer_to("mission", "control", "schedules", i)})
+    if name in design.mission.initial.extensions:
+        patch.append({"op": "remove", "path": pointer_to("mission", "initial", "extensions", name)})
+    return patch
+
+
+def completed(design: Design, patch: Sequence[Mapping[str, Any]]) -> Sequence[Mapping[str, Any]]:
+    """Return a patch that renames or removes one component together with what follows from it; others as they are."""
+    if not _is_patch(patch) or len(patch) != 1:
+        return patch
+    operation = patch[0]
+    match = COMPONENT.fullmatch(str(operation.get("path")))
+    if match is None or int(match[1]) >= len(design.vehicle.components):
+        return patch
+    index, of_name = int(match[1]), match[2] is not None
+    if operation.get("op") == "replace" and of_name:
+        return renamed(design, index, operation.get("value"))
+    if operation.get("op") == "remove" and not of_name:
+        return removed(design, index)
+    return patch
+
+
+def merge_key(patch: Sequence[Mapping[str, Any]]) -> str | None:
+    """Return what makes two edits steps of one drag: the fields they replace; None where they change the structure."""
+    if not _is_patch(patch) or not patch or any(operation.get("op") != "replace" for operation in patch):
+        return None
+    return json.dumps([str(operation.get("path")) for operation in patch])
+
+
+def _is_patch(patch: object) -> bool:
+    """Whether it has the outer shape of a patch; what is wrong with any other is told where patches are applied."""
+    return isinstance(patch, list | tuple) and all(isinstance(operation, Mapping) for operation in patch)
+
+
+def table_patch(index: int, bladder: Bladder, text: str) -> Patch:
+    """Return the patch that replaces a bladder's table by one written as '0: 10, 20: 30' in mm and cm3."""
+    path = pointer_to("vehicle", "components", index)
+    try:
+        rows = [tuple(float(v) for v in row.split(":")) for row in text.split(",")]
+        extensions, volumes = ([row[k] for row in rows] for k in (0, 1))
+    except (ValueError, IndexError):
+        hint = "write pairs such as 0: 10, 20: 30"
+        raise DesignError([Problem(path, f"'{text[:40]}' is not a table of mm: cm³", hint=hint)]) from None
+    changes = {
+        "extensions": [e * 1e-3 for e in extensions],
+        "volumes": [v * 1e-6 for v in volumes],
+        "neutral_extension": min(max(bladder.neutral_extension, extensions[0] * 1e-3), extensions[-1] * 1e-3),
+    }
+    component = bladder.model_dump(mode="json") | changes
+    return [{"op": "replace", "path": path, "value": component}]

@@ -1,0 +1,124 @@
+"""Owns the commands that need no server: simulate, validate, presets. Errors are one line each, with the JSON Pointer."""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+from pathlib import Path
+
+from models.assemble import assemble
+from models.design import Design, loads_design
+from models.presets import load_preset, preset_ids
+from models.problems import DesignError, Problem
+from models.run import Run, Status
+
+DONE, REFUSED, MISUSED, UNUSABLE, STOPPED = range(5)
+WRITERS = {".nc": Run.to_netcdf, ".csv": Run.to_csv}
+PROGRESS_EVERY = 0.5
+
+
+def _complain(source: object, problems: tuple[Problem, ...] | str) -> None:
+    for problem in (problems,) if isinstance(problems, str) else problems:
+        print(f"{source}: {problem}".replace("\n", " "), file=sys.stderr)
+
+
+def _read(path: Path) -> Design:
+    content = sys.stdin.buffer.read() if str(path) == "-" else path.read_bytes()
+    return loads_design(content)
+
+
+def _load(path: Path) -> Design | int:
+    """Return the design, or the exit code after saying what is wrong."""
+    try:
+        design = _read(path)
+        assemble(design)
+    except DesignError as error:
+        _complain(path, error.problems)
+        return REFUSED
+    except OSError as error:
+        _complain(path, error.strerror or str(error))
+        return UNUSABLE
+    return design
+
+
+def _simulate_with_progress(design: Design) -> Run:
+    """Simulate in a thread, so that an interrupt stops the run and keeps what it has."""
+    from models.simulate import Control, simulate
+
+    control = Control()
+    finished: list[Run] = []
+    worker = threading.Thread(target=lambda: finished.append(simulate(design, control=control)))
+    worker.start()
+    shown = False
+    while worker.is_alive():
+        try:
+            worker.join(PROGRESS_EVERY)
+        except KeyboardInterrupt:
+            control.cancel()
+        if worker.is_alive() and sys.stderr.isatty():
+            reached = control.time_reached
+            print(f"\r{reached:.0f} of {design.mission.duration:g} s", end="", file=sys.stderr)
+            shown = True
+    if shown:
+        print("\r\033[K", end="", file=sys.stderr)
+    return finished[0]
+
+
+def simulate(path: Path, output: Path | None) -> int:
+    """Simulate a design file, print how it ended, and write the run."""
+    if output is not None and output.suffix not in WRITERS:
+        _complain(output, f"a result is written as {' or '.join(WRITERS)}, not '{output.suffix}'")
+        return MISUSED
+    design = _load(path)
+    if isinstance(design, int):
+        return design
+    run = _simulate_with_progress(design)
+    _print_summary(run)
+    if output is not None:
+        try:
+            WRITERS[output.suffix](run, output)
+        except OSError as error:
+            _complain(output, error.strerror or str(error))
+            return UNUSABLE
+        print(f"written     {output}")
+    return DONE if run.status in {Status.completed, Status.surface, Status.bed} else STOPPED
+
+
+def _print_summary(run: Run) -> None:
+    final = run.final
+    print(f"design      {run.design.name}")
+    print(f"status      {run.status.name}: {run.status.value}")
+    for event in run.events:
+        print(f"event       {event}")
+    print(
+        f"end         t {final['t']:.3f} s, x {final['x']:.4f} m, depth {final['z']:.4f} m, "
+        f"pitch {math.degrees(final['theta']):.2f} deg"
+    )
+    print(f"residual    {run.relative_residual:.1e} of {run.energy_exchanged:.4g} J exchanged")
+    print(f"steps       {run.statistics['steps']} in {1e3 * run.statistics['elapsed']:.1f} ms")
+
+
+def validate(path: Path) -> int:
+    """Check a design file and print its identity, or what is wrong."""
+    design = _load(path)
+    if isinstance(design, int):
+        return design
+    print(f"valid: {design.name}, {len(design.vehicle.components)} components, identity {design.identity[:16]}")
+    for warning in assemble(design).warnings:
+        print(f"warning: {warning}")
+    return DONE
+
+
+def presets(preset_id: str | None) -> int:
+    """List the presets, or print one."""
+    if preset_id is None:
+        for name in preset_ids():
+            print(f"{name:<24} {load_preset(name).name}")
+        return DONE
+    try:
+        print(load_preset(preset_id).to_json(), end="")
+    except KeyError:
+        _complain(preset_id, f"no such preset; there are {', '.join(preset_ids())}")
+        return REFUSED
+    return DONE

@@ -1,0 +1,193 @@
+"""Owns the HTTP of one session: its state, its edits, its files, and the stream that says when it changed."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import AsyncIterator
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, HTTPException
+from fastapi.responses import Response, StreamingResponse
+from starlette.concurrency import run_in_threadpool
+
+from models.design import parse_design
+from models.problems import DesignError, Problem
+from models.run import Run
+from server.answers import json_answer
+from server.body import JsonBody, loads
+from server.errors import problem_response
+from studio.access import Admitted, SettingsNow
+from studio.registry import OpenSession
+from studio.session import Change
+from studio.state import state_json
+from studio.view import CAMERAS
+
+router = APIRouter(prefix="/s/{session_id}", include_in_schema=False)
+
+KEEP_ALIVE = 15.0
+"""Pause after which the stream sends a comment, s: proxies close silent connections."""
+
+
+def _document(body: JsonBody, settings: SettingsNow) -> Any:
+    return loads(body, max_values=settings.max_body_values)
+
+
+Document = Annotated[Any, Depends(_document)]
+
+
+@router.get("/state")
+def get_state(opened: Admitted) -> Response:
+    """Answer what the page draws."""
+    content = state_json(opened.session, saved_at=opened.saved_at)
+    return Response(content, media_type="application/json", headers={"Cache-Control": "no-store"})
+
+
+@router.get("/events")
+async def get_events(opened: Admitted) -> Response:
+    """Answer server-sent events: one at once and one after each change."""
+    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    return StreamingResponse(_events(opened), media_type="text/event-stream", headers=headers)
+
+
+async def _events(opened: OpenSession) -> AsyncIterator[str]:
+    loop, changed = asyncio.get_running_loop(), asyncio.Event()
+
+    def tell(_: Change) -> None:
+        loop.call_soon_threadsafe(changed.set)
+
+    unsubscribe = opened.session.subscribe(tell)
+    opened.connections += 1
+    try:
+        yield _event(opened)
+        while not opened.closed:
+            try:
+                await asyncio.wait_for(changed.wait(), KEEP_ALIVE)
+            except TimeoutError:
+                yield ": still here\n\n"
+                continue
+            changed.clear()
+            yield _event(opened)
+    finally:
+        opened.connections -= 1
+        opened.touch()
+        unsubscribe()
+
+
+def _event(opened: OpenSession) -> str:
+    return f'event: state\ndata: {{"revision": {opened.session.revision}}}\n\n'
+
+
+@router.post("/edit")
+def edit(opened: Admitted, document: Document) -> Response:
+    """Apply {"patch": [...]} to the design."""
+    if not isinstance(document, dict) or set(document) != {"patch"}:
+        raise DesignError([Problem("", "send an object with one member, patch", hint='{"patch": [...]}')])
+    opened.session.edit(document["patch"])
+    return _revision(opened)
+
+
+@router.post("/undo")
+def undo(opened: Admitted) -> Response:
+    """Take back the last change."""
+    return _revision(opened) if opened.session.undo() else problem_response(409, "There is nothing to undo")
+
+
+@router.post("/redo")
+def redo(opened: Admitted) -> Response:
+    """Make the last undone change again."""
+    return _revision(opened) if opened.session.redo() else problem_response(409, "There is nothing to redo")
+
+
+@router.put("/design")
+def put_design(opened: Admitted, document: Document) -> Response:
+    """Open another document in this session."""
+    try:
+        design = parse_design(document)
+    except DesignError as error:
+        opened.session.refuse(error)
+        raise
+    opened.session.replace(design)
+    return _revision(opened)
+
+
+@router.post("/trim-ballast")
+def trim_ballast(opened: Admitted) -> Response:
+    """Make the glider neutral with all cells neutral."""
+    return json_answer({"message": opened.session.trim_ballast(), "revision": opened.session.revision})
+
+
+@router.post("/camera", status_code=204)
+def set_camera(opened: Admitted, document: Document) -> None:
+    """Look from the side, the top, behind, or freely."""
+    view = _member(document, "view")
+    if view not in CAMERAS:
+        raise DesignError([Problem("/view", f"there is no view '{view}'", hint=f"use one of {', '.join(CAMERAS)}")])
+    opened.view().camera(view)
+
+
+@router.post("/clock", status_code=204)
+def set_clock(opened: Admitted, document: Document) -> None:
+    """Move the 3D nodes to a time of the run."""
+    t = _member(document, "t")
+    if isinstance(t, bool) or not isinstance(t, int | float):
+        raise DesignError([Problem("/t", "t must be a number of seconds")])
+    opened.view().set_clock(float(t))
+
+
+@router.post("/select", status_code=204)
+def select(opened: Admitted, document: Document) -> None:
+    """Choose the component that the panel shows."""
+    index = _member(document, "component")
+    if isinstance(index, bool) or not isinstance(index, int):
+        raise DesignError([Problem("/component", "component must be an index")])
+    opened.session.select(index)
+
+
+@router.get("/design.json")
+def get_design(opened: Admitted) -> Response:
+    """Answer the document as a file."""
+    design = opened.session.design
+    return _download(design.to_json(), f"{_file_name(design.name)}.json", "application/json")
+
+
+@router.get("/run.csv")
+async def get_csv(opened: Admitted) -> Response:
+    """Answer the last run as CSV."""
+    run = _run(opened)
+    return _download(await run_in_threadpool(run.to_csv), f"{_file_name(run.design.name)}.csv", "text/csv")
+
+
+@router.get("/run.nc")
+async def get_netcdf(opened: Admitted) -> Response:
+    """Answer the last run as NetCDF."""
+    run = _run(opened)
+    content = await run_in_threadpool(run.to_netcdf)
+    return _download(content, f"{_file_name(run.design.name)}.nc", "application/x-netcdf")
+
+
+def _run(opened: OpenSession) -> Run:
+    run = opened.session.run
+    if run is None:
+        raise HTTPException(409, "there is no run yet: the physics is still being compiled")
+    return run
+
+
+def _member(document: Any, name: str) -> Any:
+    if not isinstance(document, dict) or name not in document:
+        raise DesignError([Problem(f"/{name}", f"send an object with the member {name}", hint="add this field")])
+    return document[name]
+
+
+def _revision(opened: OpenSession) -> Response:
+    return json_answer({"revision": opened.session.revision})
+
+
+def _file_name(name: str) -> str:
+    """Return a name for a download in plain letters, digits and hyphens."""
+    return re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()[:60] or "design"
+
+
+def _download(content: str | bytes, name: str, media_type: str) -> Response:
+    headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
+    return Response(content, media_type=media_type, headers=headers)

@@ -1,0 +1,39 @@
+"""Owns the colours: one component has one colour in every view."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from models.components import Component, Rigid
+
+Rgb = tuple[int, int, int]
+
+CELLS = ("#f2b134", "#4fc3a1", "#7aa7ff", "#d98cc4", "#a3d468", "#ff9f7a", "#63d0e6", "#c6a5ff")
+RIGID = "#9fb3c8"
+BUOYANCY, LIFT, DRAG, WEIGHT = "#5bc8f5", "#b48ef0", "#ff9f5a", "#d8dee6"
+CENTER_OF_MASS, CENTER_OF_BUOYANCY = "#ff6f81", "#5bc8f5"
+PATH = "#f3f7fb"
+WATER_TOP, WATER_BOTTOM = "#397fa5", "#0f2a45"
+DEPTH_LINE, DEPTH_TEXT = "#7fb2cf", "#d6e8f3"
+SURFACE, BED = "#8fd0ee", "#6d6656"
+
+
+def rgb(color: str) -> Rgb:
+    """Return the channels of #rrggbb, 0 to 255."""
+    return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
+
+
+def component_colors(components: Sequence[Component]) -> list[str]:
+    """Return each component's colour: its own, or one of the palette that no other component has."""
+    taken = {c.color.lower() for c in components if c.color}
+    free = [color for color in CELLS if color not in taken] or list(CELLS)
+    colors, used = [], 0
+    for component in components:
+        if component.color:
+            colors.append(component.color.lower())
+        elif isinstance(component, Rigid):
+            colors.append(RIGID)
+        else:
+            colors.append(free[used % len(free)])
+            used += 1
+    return colors

@@ -1,0 +1,181 @@
+"""Owns the vehicle in the 3D scene: its parts, cells, markers and force arrows, rebuilt only where they changed.
+
+World and body axes are the physics' own (x forward, y to starboard, z down): positions and quaternions go unchanged.
+`/world` holds what is fixed in the water, `/glider` the vehicle; by default the glider stays put and the water moves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from models.components import Component, Rigid
+from models.design import Design
+from models.mass_properties import initial_extensions, mass_balance
+from studio import meshes, palette
+from studio.bodies import Body, bodies, drawn_extent
+from studio.meshes import Mesh
+from studio.palette import component_colors, rgb
+
+SHORTEST_ARROW = 1e-4
+ARROWS = {"weight": palette.WEIGHT, "buoyancy": palette.BUOYANCY, "lift": palette.LIFT, "drag": palette.DRAG}
+
+
+def pitch_quaternion(theta: float) -> tuple[float, float, float, float]:
+    """Return the attitude (w, x, y, z) of a pitch angle, nose up positive, rad."""
+    return math.cos(theta / 2.0), 0.0, math.sin(theta / 2.0), 0.0
+
+
+class PartNodes:
+    """The nodes of one component: `/glider/part<i>` for what does not grow, `/glider/cell<i>/stack` for what does."""
+
+    def __init__(self, scene: viser.SceneApi, index: int, on_click: Callable[[int], None]) -> None:
+        self._scene, self._index, self._on_click = scene, index, on_click
+        self._drawn: tuple[tuple[Body, ...], str] | None = None
+        self._frame: Any = None
+        self.stack: Any = None
+
+    def show(self, component: Component, color: str) -> None:
+        """Draw the component, anew only where its bodies or colour changed."""
+        wanted = bodies(component), color
+        if wanted != self._drawn:
+            self.remove()
+            self._build(*wanted)
+            self._drawn = wanted
+        self._frame.position = component.position
+
+    def remove(self) -> None:
+        """Take the component out of the scene."""
+        if self._frame is not None:
+            self._frame.remove()
+        self._frame = self.stack = self._drawn = None
+
+    def _build(self, wanted: tuple[Body, ...], color: str) -> None:
+        kind = "cell" if any(body.grows for body in wanted) else "part"
+        root = f"/glider/{kind}{self._index}"
+        self._frame = self._scene.add_frame(root, show_axes=False)
+        for k, body in enumerate(wanted):
+            name = "stack" if body.grows else f"shape{k}"
+            mesh = add_mesh(self._scene, f"{root}/{name}", body.mesh, color, opacity=body.opacity)
+            mesh.position, mesh.wxyz = body.offset, body.attitude
+            mesh.on_click(lambda _: self._on_click(self._index))
+            if body.grows:
+                self.stack = mesh
+
+
+def add_mesh(scene: viser.SceneApi, name: str, mesh: Mesh, color: str, *, opacity: float | None = None) -> Any:
+    """Add a mesh in one colour."""
+    return scene.add_mesh_simple(
+        name, mesh.vertices.astype("float32"), mesh.faces.astype("uint32"), color=rgb(color), opacity=opacity,
+        side="double" if opacity is not None else "front", cast_shadow=False, receive_shadow=False,
+    )  # fmt: skip
+
+
+class GliderNodes:
+    """The vehicle under `/glider`."""
+
+    def __init__(self, scene: viser.SceneApi, on_select: Callable[[int], None]) -> None:
+        self._scene, self._on_select = scene, on_select
+        self.frame = scene.add_frame("/glider", show_axes=False)
+        self._parts: list[PartNodes] = []
+        self._length = 0.0
+        self.centers: dict[str, Any] = {}
+        for name, color in ARROWS.items():
+            # a page that plays a run gives each its direction and length
+            arrow = add_mesh(scene, f"/glider/arrow_{name}", meshes.arrow(), color)
+            arrow.visible = False
+            arrow.scale = SHORTEST_ARROW
+
+    def update(self, design: Design) -> None:
+        """Draw this design's components, and its centres at the start."""
+        components = design.vehicle.components
+        while len(self._parts) > len(components):
+            self._parts.pop().remove()
+        while len(self._parts) < len(components):
+            self._parts.append(PartNodes(self._scene, len(self._parts), self._on_select))
+        for nodes, component, color in zip(self._parts, components, component_colors(components), strict=True):
+            nodes.show(component, color)
+        self._show_centers(design)
+
+    def stack(self, index: int) -> Any:
+        """Return the growing body of component `index`, or None."""
+        return self._parts[index].stack if index < len(self._parts) else None
+
+    def _show_centers(self, design: Design) -> None:
+        length = vehicle_length(design)
+        if length != self._length:
+            self._length = length
+            # beside the hull, port and starboard: on the axis itself hull and wing would hide them
+            side = half_width(design) + 0.012 * length
+            ball = meshes.both_sides(meshes.sphere(0.012 * length), side)
+            ring = meshes.both_sides(meshes.ring(0.022 * length, 0.0035 * length), side)
+            self.centers["com"] = add_mesh(self._scene, "/glider/com", ball, palette.CENTER_OF_MASS)
+            self.centers["cob"] = add_mesh(self._scene, "/glider/cob", ring, palette.CENTER_OF_BUOYANCY)
+        balance = mass_balance(design.vehicle, initial_extensions(design))
+        self.centers["com"].position = tuple(balance.center_of_mass.tolist())
+        self.centers["cob"].position = tuple(balance.center_of_buoyancy.tolist())
+
+
+def vehicle_extent(design: Design) -> tuple[float, float]:
+    """Return the smallest and largest x at which the vehicle is drawn, m."""
+    reach = [(c.position[0], drawn_extent(c)) for c in design.vehicle.components]
+    return min(x + e[0] for x, e in reach), max(x + e[1] for x, e in reach)
+
+
+def vehicle_length(design: Design) -> float:
+    """Return the length of the drawn vehicle, m; a little where nothing has a size."""
+    low, high = vehicle_extent(design)
+    return max(high - low, 0.05)
+
+
+def half_width(design: Design) -> float:
+    """Return how far the vehicle reaches to starboard, wings apart, m."""
+    reach = [
+        c.position[1] + body.offset[1] + float(body.mesh.vertices[:, 1].max())
+        for c in design.vehicle.components
+        for body in bodies(c)
+        if body.kind != "wing"
+    ]
+    return max(reach, default=0.0)
+
+
+class Gizmo:
+    """Arrows on the selected component that move it along the body's x and z axes.
+
+    It is a child of `/glider`: what it reports is in body axes whatever attitude a page shows.
+    """
+
+    def __init__(self, scene: viser.SceneApi, on_move: Callable[[tuple[float, float, float]], None]) -> None:
+        self._scene, self._on_move = scene, on_move
+        self._handle: Any = None
+        self._scale = 0.0
+        self._dragging = False
+
+    def update(self, component: Component, scale: float) -> None:
+        """Put it on a component; one that is being dragged stays with the pointer."""
+        if scale != self._scale:
+            self._make(scale)
+        if not self._dragging:
+            self._handle.position = component.position
+        self._handle.visible = not (isinstance(component, Rigid) and component.position == (0.0, 0.0, 0.0))
+
+    def _make(self, scale: float) -> None:
+        if self._handle is not None:
+            self._handle.remove()
+        self._scale = scale
+        self._handle = self._scene.add_transform_controls(
+            "/glider/gizmo", scale=scale, active_axes=(True, False, True), disable_sliders=True,
+            disable_rotations=True, depth_test=False, line_width=2.0, opacity=0.9,
+        )  # fmt: skip
+        # coroutines keep the order of a drag's phases
+        self._handle.on_update(self._moved)
+
+    async def _moved(self, event: Any) -> None:
+        if event.client is None:
+            return
+        self._dragging = event.phase != "end"
+        x, y, z = (float(v) for v in event.target.position)
+        self._on_move((x, y, z))

@@ -1,0 +1,254 @@
+"""Owns one designer's work: the document, its last good run, the last problem, undo and redo. No Viser, no HTTP."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from enum import Enum, auto
+from typing import Any
+
+from models.assemble import Assembly, assemble
+from models.components import Component
+from models.design import Design
+from models.limits import DEFAULT_LIMITS, Limits
+from models.mass_properties import trim_ballast
+from models.problems import DesignError, Problem
+from models.run import Run
+from models.warm import kernel_is_ready
+from server.editing import apply_patch
+from studio import changes
+from studio.runner import Runner
+
+log = logging.getLogger(__name__)
+
+HISTORY = 200
+"""Steps that can be undone."""
+MERGE_WITHIN = 1.0
+"""Edits of the same field that follow each other this closely are one step of undo, s."""
+
+
+class Change(Enum):
+    """What subscribers are told: the document (or problem, or selection) changed, or a run ended."""
+
+    document = auto()
+    run = auto()
+
+
+class Session:
+    """One designer's document and what follows from it.
+
+    Every view changes it through these operations and hears of it through `subscribe`; subscribers are called in the
+    session's own thread, one at a time. A change that cannot be parsed or assembled raises `DesignError`, is told by
+    `problem`, and leaves document and run as they were.
+    """
+
+    def __init__(self, session_id: str, design: Design, *, limits: Limits = DEFAULT_LIMITS, revision: int = 1) -> None:
+        self.id = session_id
+        self._limits = limits
+        self._lock = threading.RLock()
+        self._assembly = assemble(design, limits)
+        self._run: Run | None = None
+        self._run_assembly: Assembly | None = None
+        self._problem: tuple[Problem, ...] = ()
+        self._revision = revision
+        self._selected = design.vehicle.actuated[0][0] if design.vehicle.actuated else 0
+        self._undo: deque[Assembly] = deque(maxlen=HISTORY)
+        self._redo: deque[Assembly] = deque(maxlen=HISTORY)
+        self._last_merge: tuple[str | None, float] = (None, 0.0)
+        self._subscribers: list[Callable[[Change], None]] = []
+        self._runner = Runner(limits=limits, on_change=lambda: self._tell(Change.document), on_run=self._finish)
+        self._runner.submit(self._assembly)
+
+    @property
+    def design(self) -> Design:
+        """The document, always one that can be simulated."""
+        return self._assembly.design
+
+    @property
+    def assembly(self) -> Assembly:
+        """The document made ready for the kernel, with its warnings and its hydrodynamic law."""
+        return self._assembly
+
+    @property
+    def run(self) -> Run | None:
+        """The last run that ended; None until the first one has."""
+        return self._run
+
+    @property
+    def simulating(self) -> bool:
+        """Whether the run does not belong to the document yet."""
+        return self._run_assembly is not self._assembly
+
+    @property
+    def compiling(self) -> bool:
+        """Whether runs wait for the kernel to be compiled."""
+        return self._run is None and not kernel_is_ready()
+
+    @property
+    def problem(self) -> tuple[Problem, ...]:
+        """What was wrong with the last change; empty after one that was accepted."""
+        return self._problem
+
+    @property
+    def revision(self) -> int:
+        """Number of the document's state; each accepted change has a higher one."""
+        return self._revision
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to undo."""
+        return bool(self._undo)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is an undone change to make again."""
+        return bool(self._redo)
+
+    @property
+    def selected(self) -> int:
+        """Index of the component being edited."""
+        return min(self._selected, len(self.design.vehicle.components) - 1)
+
+    @property
+    def selected_component(self) -> Component:
+        """The component being edited."""
+        components = self.design.vehicle.components
+        return components[min(self._selected, len(components) - 1)]
+
+    def edit(self, patch: Sequence[Mapping[str, Any]]) -> Design:
+        """Apply a JSON Patch (RFC 6902); renaming or removing one component also changes what names it."""
+        key = changes.merge_key(patch)
+        return self._change(lambda design: apply_patch(design, changes.completed(design, patch)), merge=key)
+
+    def set_field(self, pointer: str, value: Any) -> Design:
+        """Set one field by JSON Pointer."""
+        return self.edit([{"op": "replace", "path": pointer, "value": value}])
+
+    def replace(self, design: Design) -> Design:
+        """Put another document in this one's place; that, too, can be undone."""
+        return self._change(lambda _: design)
+
+    def add_component(self, kind: str) -> Design:
+        """Add a bellows, piston, bladder, movable_mass or rigid part, and select it."""
+        return self._change(lambda design: apply_patch(design, changes.added(design, kind)), select=-1)
+
+    def duplicate_component(self, index: int) -> Design:
+        """Add a copy of a component, and select it."""
+        return self._change(lambda design: apply_patch(design, changes.duplicated(design, index)), select=-1)
+
+    def remove_component(self, name: str) -> Design:
+        """Remove a component with its schedules and initial extension."""
+        return self._change(lambda design: apply_patch(design, changes.removed(design, changes.index_of(design, name))))
+
+    def trim_ballast(self) -> str:
+        """Make the glider neutral with all cells neutral; returns what was changed, in words."""
+        said: list[str] = []
+
+        def trim(design: Design) -> Design:
+            trimmed, change = trim_ballast(design)
+            said.append(str(change))
+            return trimmed
+
+        self._change(trim)
+        return said[0]
+
+    def undo(self) -> bool:
+        """Take back the last change; False where there is none."""
+        return self._travel(self._undo, self._redo)
+
+    def redo(self) -> bool:
+        """Make the last undone change again; False where there is none."""
+        return self._travel(self._redo, self._undo)
+
+    def select(self, index: int) -> None:
+        """Choose the component to edit."""
+        with self._lock:
+            changes.component_at(self.design, index)
+            changed, self._selected = index != self._selected, index
+        if changed:
+            self._runner.touch()
+
+    def refuse(self, error: DesignError) -> None:
+        """Tell a problem with a change that was refused before it reached the document."""
+        self._problem = error.problems
+        self._runner.touch()
+
+    def subscribe(self, listener: Callable[[Change], None]) -> Callable[[], None]:
+        """Have `listener` called after each change, in the session's own thread; returns how to stop that."""
+        with self._lock:
+            self._subscribers.append(listener)
+
+        def unsubscribe() -> None:
+            with self._lock:
+                if listener in self._subscribers:
+                    self._subscribers.remove(listener)
+
+        return unsubscribe
+
+    def close(self) -> None:
+        """Stop simulating, tell once more, and stop telling."""
+        self._runner.close()
+        self._tell(Change.document)
+
+    def _change(
+        self, make: Callable[[Design], Design], *, merge: str | None = None, select: int | None = None
+    ) -> Design:
+        try:
+            with self._lock:
+                design = make(self.design)
+                unchanged = design == self.design
+                if not unchanged:
+                    self._accept(assemble(design, self._limits), merge)
+                self._problem = ()
+                if select is not None:
+                    self._selected = select % len(design.vehicle.components)
+                assembly = self._assembly
+        except DesignError as error:
+            self.refuse(error)
+            raise
+        if unchanged:
+            self._runner.touch()
+        else:
+            self._runner.submit(assembly)
+        return assembly.design
+
+    def _accept(self, assembly: Assembly, merge: str | None) -> None:
+        now = time.monotonic()
+        key, at = self._last_merge
+        if merge is None or merge != key or now - at > MERGE_WITHIN or not self._undo:
+            self._undo.append(self._assembly)
+        self._last_merge = merge, now
+        self._redo.clear()
+        self._put(assembly)
+
+    def _put(self, assembly: Assembly) -> None:
+        self._assembly = assembly
+        self._problem = ()
+        self._revision += 1
+
+    def _travel(self, source: deque[Assembly], target: deque[Assembly]) -> bool:
+        with self._lock:
+            if not source:
+                return False
+            target.append(self._assembly)
+            self._put(source.pop())
+            self._last_merge = None, 0.0
+            assembly = self._assembly
+        self._runner.submit(assembly)
+        return True
+
+    def _finish(self, assembly: Assembly, run: Run) -> None:
+        self._run, self._run_assembly = run, assembly
+        self._tell(Change.run)
+
+    def _tell(self, change: Change) -> None:
+        with self._lock:
+            listeners = list(self._subscribers)
+        for listener in listeners:
+            try:
+                listener(change)
+            except Exception:  # one view's mistake must not leave the others behind
+                log.exception("a view of session %s failed", self.id)

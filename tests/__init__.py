@@ -1,0 +1,1 @@
+"""Tests of the glider studio; the folders mirror the source."""
