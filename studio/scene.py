@@ -66,11 +66,13 @@ class PartNodes:
                 self.stack = mesh
 
 
-def add_mesh(scene: viser.SceneApi, name: str, mesh: Mesh, color: str, *, opacity: float | None = None) -> Any:
+def add_mesh(
+    scene: viser.SceneApi, name: str, mesh: Mesh, color: str, *, opacity: float | None = None, one_sided: bool = False
+) -> Any:
     """Add a mesh in one colour."""
     return scene.add_mesh_simple(
         name, mesh.vertices.astype("float32"), mesh.faces.astype("uint32"), color=rgb(color), opacity=opacity,
-        side="double" if opacity is not None else "front", cast_shadow=False, receive_shadow=False,
+        side="front" if one_sided else "double", cast_shadow=False, receive_shadow=False,
     )  # fmt: skip
 
 

@@ -94,10 +94,12 @@ class WaterNodes:
         ]
         self._add_labels(depths, begin, end, behind, step)
         far = ((begin - 40.0 * length, end + 40.0 * length), (behind - 40.0 * length, 40.0 * length))
-        surface = add_mesh(self._scene, "/world/surface", meshes.sheet(*far), palette.SURFACE, opacity=0.22)
+        # seen from below only: from above it would veil what lies under it
+        sheet = meshes.sheet(*far)
+        surface = add_mesh(self._scene, "/world/surface", sheet, palette.SURFACE, opacity=0.3, one_sided=True)
         self._grid.append(surface)
         if bed > 0.0:
-            floor = add_mesh(self._scene, "/world/bed", meshes.sheet(*far), palette.BED, opacity=0.95)
+            floor = add_mesh(self._scene, "/world/bed", sheet, palette.BED)
             floor.position = (0.0, 0.0, bed)
             self._grid.append(floor)
 

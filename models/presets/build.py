@@ -15,11 +15,32 @@ from models.mass_properties import trim_ballast
 
 DATA = files("models").joinpath("data")
 
-HULL_NOTE = (
-    "The hull is a stand-in made to the paper's mass and volume, not its geometry: a body of revolution 0.600 m long "
-    "and 32.06 mm across, two coaxial cylinders for the bellows (48 mm across, 80 mm long, at x = +-0.180 m) and a "
-    "flat wing of 0.500 m span and 0.100 m chord."
-)
+
+def prose(paragraph: str) -> str:
+    """Return a paragraph on one line."""
+    return " ".join(paragraph.split())
+
+
+HULL_NOTE = prose("""
+    The hull is a stand-in made to the paper's mass and volume, not its geometry: a body of revolution 0.600 m long and
+    32.06 mm across, two coaxial cylinders for the bellows (48 mm across, 80 mm long, at x = +-0.180 m) and a flat wing
+    of 0.500 m span and 0.100 m chord.
+""")
+CANETE_NOTE = prose(f"""
+    The paper's glider with a front and a rear bellows: it dives for 10 s and climbs again, over stand-in CFD data.
+    Source: L. Canete, J. Paquibot, M. Matsumoto, T. Takahashi, 'Investigation of Multiple Buoyancy Controller Equipped
+    Underwater Glider Robot Modeling for Control System Development and Gliding Simulation': mass, centre of mass,
+    inertia, damping and gravity are its Table II, declared and frozen as there. Cells, hull and forces are not the
+    paper's, which prints no numbers for them. {HULL_NOTE} The paper's V0 makes the glider neutral without its bellows;
+    here the cells at neutral extension count, so that only changes unbalance it. The front cell takes 0.02 N away for
+    10 s, then adds 0.02 N: the size of the paper's tank run.
+""")
+THREE_CELL_NOTE = prose(f"""
+    Two bellows, a piston and a sliding battery in one plane, each with its rate limit and lag: a sawtooth of two dives.
+    A made-up glider on the stand-in hull that shows what the paper's model leaves room for; mass properties are
+    composed from the parts. The piston sinks and raises it, the end cells and the slide pitch it. Its sizes are ours and no
+    published glider's. {HULL_NOTE}
+""")
 
 
 def read_polar_csv(name: str) -> dict[str, list[float]]:
@@ -88,16 +109,7 @@ def canete_dual_bellows() -> dict[str, Any]:
         "format": "glider-design",
         "version": 1,
         "name": "Dual-bellows lake glider",
-        "notes": (
-            "The glider of L. Canete, J. Paquibot, M. Matsumoto, T. Takahashi, 'Investigation of Multiple Buoyancy "
-            "Controller Equipped Underwater Glider Robot Modeling for Control System Development and Gliding "
-            "Simulation': mass, centre of mass, inertia, damping and gravity are its Table II, declared and frozen as "
-            "there. Cells, hull and forces are not the paper's, which prints no numbers for them. "
-            + HULL_NOTE
-            + " The paper's V0 makes the glider neutral without its bellows; here the cells at neutral extension "
-            "count, so that only changes unbalance it. The front cell takes 0.02 N away for 10 s, then adds 0.02 N: "
-            "the size of the paper's tank run."
-        ),
+        "notes": CANETE_NOTE,
         "vehicle": {
             "components": [
                 {
@@ -184,12 +196,7 @@ def three_cell_glider() -> dict[str, Any]:
         "format": "glider-design",
         "version": 1,
         "name": "Three-cell glider with battery slide",
-        "notes": (
-            "A made-up glider on the stand-in hull that shows what the paper's model leaves room for: three buoyancy "
-            "cells and a movable mass in one plane, each with its own rate limit and lag, mass properties composed "
-            "from the parts. The middle piston sinks and raises it, the end cells and the slide pitch it. Its sizes "
-            "are ours and no published glider's. " + HULL_NOTE
-        ),
+        "notes": THREE_CELL_NOTE,
         "vehicle": {
             "components": [*rigid, front, engine, rear, trimmer],
             "mass_properties": {"kind": "composite"},
