@@ -1,0 +1,77 @@
+"""Drives the studio's page as a person would: finds things by what is written on them."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+
+from playwright.sync_api import FrameLocator, Locator, Page
+
+VISER_THROTTLE = 120  # ms; two widgets changed within viser's shared 50 ms window would lose the first
+
+
+class StudioPage:
+    """One open session in a browser tab."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.wait_for_glide()
+
+    @classmethod
+    def open_preset(cls, page: Page, url: str, preset: str) -> StudioPage:
+        page.goto(f"{url}/")
+        page.get_by_test_id(f"open-{preset}").click()
+        page.wait_for_url(re.compile(r"/s/[^/]+/"))
+        # a quarter of the pixels: the test machine draws in software
+        page.goto(page.url.split("?")[0] + "?fixedDpr=0.25")
+        return cls(page)
+
+    @property
+    def url(self) -> str:
+        return self.page.url
+
+    @property
+    def panel(self) -> FrameLocator:
+        """Viser's own document, with the panel of the components in it."""
+        return self.page.frame_locator("iframe")
+
+    def wait_for_glide(self) -> None:
+        self.page.wait_for_function("() => window.__studio?.state?.run")
+        self.row("Position x").wait_for()
+        self.scene("() => window.__viserSceneTree && '/glider' in window.__viserSceneTree.getState()")
+
+    def scene(self, condition: str) -> None:
+        """Wait until a condition holds in Viser's document."""
+        frame = next(f for f in self.page.frames if "/view/" in f.url)
+        frame.wait_for_function(condition)
+
+    def state(self, expression: str) -> object:
+        """Evaluate an expression of the state the page shows."""
+        return self.page.evaluate(f"() => (s => {expression})(window.__studio.state)")
+
+    def readout(self, name: str) -> float:
+        """Return a readout's value in SI units, as the page holds it."""
+        return float(self.page.get_by_test_id(f"readout-{name}").get_attribute("data-value") or "nan")
+
+    def row(self, label: str) -> Locator:
+        """Return the row of a field in the panel, from its label."""
+        labels = self.panel.locator("label").filter(has_text=re.compile(rf"^{re.escape(label)}$"))
+        return labels.first.locator("xpath=ancestor::div[contains(@class,'Flex-root')][1]")
+
+    def type_number(self, label: str, value: float | str) -> None:
+        box = self.row(label).locator("input:not([type=hidden])").first
+        box.fill(str(value))
+        box.press("Enter")
+        self.page.wait_for_timeout(VISER_THROTTLE)
+
+    def wait_until(self, condition: Callable[[], bool], *, seconds: float = 20.0) -> None:
+        deadline = time.monotonic() + seconds
+        while not condition():
+            assert time.monotonic() < deadline, "the page did not get there in time"
+            self.page.wait_for_timeout(50)
+
+    def wait_for_change(self, name: str, before: float) -> float:
+        """Wait until a readout differs from what it was, and return it."""
+        self.wait_until(lambda: abs(self.readout(name) - before) > 1e-6)
+        return self.readout(name)

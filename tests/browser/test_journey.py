@@ -1,0 +1,175 @@
+"""The journeys of a designer: open, play, drag, type, reschedule, save, come back."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+from playwright.sync_api import expect
+
+from models.design import loads_design
+from models.simulate import simulate
+from tests.browser.studio_page import StudioPage
+
+pytestmark = pytest.mark.browser
+
+
+def end_depth(design_json: str) -> float:
+    """Return the end depth of a document by the library, without the studio."""
+    return simulate(loads_design(design_json)).final["z"]
+
+
+def saved_design(studio: StudioPage) -> str:
+    response = studio.page.request.get(studio.url.split("?")[0] + "design.json")
+    assert response.ok
+    return response.text()
+
+
+def test_presets_are_listed_with_pictures(program, page):
+    page.goto(program.url)
+    cards = page.locator("form[action$='/sessions'], form[action$='sessions']")
+    expect(cards).to_have_count(2)
+    pictures = page.locator("img[src*='presets/']")
+    expect(pictures).to_have_count(2)
+    page.wait_for_function("() => [...document.images].every(i => i.complete && i.naturalWidth > 0)")
+
+
+def test_opening_a_preset_shows_its_glide(studio):
+    depth = studio.readout("end-depth")
+    assert depth == pytest.approx(end_depth(saved_design(studio)), abs=1e-6)  # state rounds to 7 digits
+    expect(studio.page.get_by_test_id("readout-end-depth")).to_contain_text(f"{depth:.3f}")
+    # dives for 10 s, then climbs
+    z = studio.state("s.run.columns.z")
+    t = studio.state("s.run.columns.t")
+    deepest = max(range(len(z)), key=lambda i: z[i])
+    assert 9.0 < t[deepest] < 13.0
+    assert z[0] == 0.5 and z[deepest] > 0.75 and z[-1] < 0.5
+
+
+def test_playing_moves_the_glider_and_the_readouts(studio):
+    page = studio.page
+    page.get_by_test_id("play").click()
+    page.wait_for_function("() => window.__studio.clock.t > 1.0")
+    updates = page.evaluate("() => window.__studio.poseUpdates")
+    page.wait_for_function(f"() => window.__studio.poseUpdates > {updates} + 5")
+    page.get_by_test_id("play").click()
+    assert studio.readout("depth") > 0.5
+    assert studio.readout("pitch") < 0.0
+    time = page.evaluate("() => window.__studio.clock.t")
+    studio.page.wait_for_timeout(300)
+    assert page.evaluate("() => window.__studio.clock.t") == time
+
+
+def test_typing_a_position_moves_the_cell_and_changes_the_glide(studio):
+    before = studio.readout("end-depth")
+    studio.type_number("Position x", 150)
+    after = studio.wait_for_change("end-depth", before)
+    document = json.loads(saved_design(studio))
+    assert document["vehicle"]["components"][1]["position"][0] == pytest.approx(0.150)
+    assert after == pytest.approx(end_depth(json.dumps(document)), abs=1e-6)
+
+
+def test_dragging_the_slider_changes_the_glide_on_the_way(studio):
+    page, before = studio.page, studio.readout("end-depth")
+    thumb = studio.row("Position x").get_by_role("slider").first
+    box = thumb.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    seen = set()
+    for k in range(12):
+        page.mouse.move(x - 2 * k, y)
+        page.wait_for_timeout(120)
+        seen.add(studio.readout("end-depth"))
+    page.mouse.up()
+    studio.wait_for_change("end-depth", before)
+    assert len(seen) >= 3, "the glide should have changed while the mouse was down"
+    assert json.loads(saved_design(studio))["vehicle"]["components"][1]["position"][0] < 0.180
+
+
+def test_changing_the_schedule_changes_the_end_depth(studio):
+    page, before = studio.page, studio.readout("end-depth")
+    page.get_by_test_id("point-Front bellows-1").click()
+    box = page.get_by_test_id("point-extension")
+    box.fill("16.8")
+    page.get_by_test_id("point-apply").click()
+    after = studio.wait_for_change("end-depth", before)
+    assert after > before  # less buoyancy at the end: it climbs less
+    points = json.loads(saved_design(studio))["mission"]["control"]["schedules"][0]["points"]
+    assert points[1]["extension"] == pytest.approx(0.0168)
+
+
+def test_a_bad_number_says_what_is_wrong_and_keeps_the_last_glide(studio):
+    before, saved = studio.readout("end-depth"), saved_design(studio)
+    studio.type_number("Mass", -5)
+    problem = studio.page.get_by_test_id("problem")
+    expect(problem).to_be_visible()
+    expect(problem).to_contain_text(re.compile("greater than or equal to 0"))
+    assert studio.readout("end-depth") == before
+    assert saved_design(studio) == saved
+
+
+def test_adding_and_removing_a_cell(studio):
+    count = len(studio.state("s.components"))
+    studio.panel.get_by_role("button", name="+ Piston").click()
+    studio.wait_until(lambda: len(studio.state("s.components")) == count + 1)
+    expect(studio.page.locator("[data-testid^='lane-']")).to_have_count(3)
+    studio.scene(f"() => '/glider/cell{count}/stack' in window.__viserSceneTree.getState()")
+    studio.panel.get_by_role("button", name="Remove").click()
+    studio.wait_until(lambda: len(studio.state("s.components")) == count)
+
+
+def test_undo_and_redo(studio):
+    before = studio.readout("end-depth")
+    studio.type_number("Position x", 120)
+    changed = studio.wait_for_change("end-depth", before)
+    studio.page.get_by_test_id("undo").click()
+    assert studio.wait_for_change("end-depth", changed) == before
+    studio.page.get_by_test_id("redo").click()
+    assert studio.wait_for_change("end-depth", before) == changed
+
+
+def test_a_restart_restores_the_session(program, studio):
+    before = studio.readout("end-depth")
+    studio.type_number("Position x", 140)
+    changed = studio.wait_for_change("end-depth", before)
+    studio.page.wait_for_timeout(500)
+    program.stop()
+    program.start()
+    studio.page.goto(studio.url)
+    again = StudioPage(studio.page)
+    assert again.readout("end-depth") == changed
+
+
+def test_a_saved_file_opens_as_the_same_glide(program, studio, page, tmp_path):
+    document = json.loads(saved_design(studio))
+    document["name"] = "Reopened"
+    document["mission"]["duration"] = 12.0
+    path = tmp_path / "design.json"
+    path.write_text(json.dumps(document))
+    page.get_by_test_id("open-file").set_input_files(path)
+    studio.wait_until(lambda: studio.state("s.name") == "Reopened")
+    studio.wait_until(lambda: studio.state("s.run && s.run.columns.t.at(-1)") == 12.0)
+    assert studio.readout("end-depth") == pytest.approx(end_depth(path.read_text()), abs=1e-6)
+
+
+def test_the_nose_points_down_on_screen_when_pitch_is_negative(studio):
+    """Body x, turned by the pose that Viser holds, must point along +z (down) at a negative pitch."""
+    studio.page.evaluate("() => window.__studio.clock.seek(6)")
+    studio.wait_until(lambda: studio.readout("pitch") < -0.5)
+    frame = next(f for f in studio.page.frames if "/view/" in f.url)
+    pose = "() => window.__viserMutable.nodePoseData['/glider']?.wxyz"
+    frame.wait_for_function(f"() => Math.abs(({pose})()[2]) > 0.2")
+    w, x, y, z = frame.evaluate(pose)
+    nose_down = 2 * (x * z - w * y)  # third row, first column of the rotation: world z of body x
+    assert nose_down > 0.4
+
+
+def test_force_arrows_can_be_switched_off(studio):
+    frame = next(f for f in studio.page.frames if "/view/" in f.url)
+    visible = "() => window.__viserSceneTree.getState()['/glider/arrow_drag'].visibility"
+    studio.page.evaluate("() => window.__studio.clock.seek(6)")
+    frame.wait_for_function(f"() => ({visible})() === true")
+    studio.page.get_by_test_id("toggle-forces").click()
+    frame.wait_for_function(f"() => ({visible})() === false")
