@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from models.checks import check_design, warnings_for
 from models.components import Actuated, MovableMass
 from models.design import DeclaredMass, Design
-from models.hydrodynamic_law import HydrodynamicLaw, build_law
+from models.hydrodynamic_law import HydrodynamicLaw
 from models.kernel.params import BODY, EXTENSIONS, PART, Params
 from models.limits import DEFAULT_LIMITS, Limits
 from models.mass_properties import component_center_of_mass, initial_extensions, mass_balance, point_inertia
@@ -45,7 +45,7 @@ def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
         With the numbers, where the design cannot be simulated or exceeds a limit.
 
     """
-    law = check_design(design, limits, build_law)
+    law = check_design(design, limits)
     parts = [component for _, component in design.vehicle.actuated]
     extensions = initial_extensions(design)
     laws = [volume_law(part) for part in parts]

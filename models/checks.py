@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
 from models.design import Design
-from models.hydrodynamic_law import HydrodynamicLaw
-from models.hydrodynamics import PolarTable
+from models.hydrodynamic_law import HydrodynamicLaw, build_law
 from models.limits import Limits
 from models.mass_properties import inertia_matrix, initial_extensions, mass_balance
 from models.problems import DesignError, Problem, pointer_to
@@ -18,7 +17,7 @@ FIXED_COLUMNS, COLUMNS_PER_CELL = 33, 4
 """Numbers kept a sample: the variables over time with the states, and those of each cell with its state."""
 
 
-def check_design(design: Design, limits: Limits, build_law: Callable[[PolarTable], HydrodynamicLaw]) -> HydrodynamicLaw:
+def check_design(design: Design, limits: Limits) -> HydrodynamicLaw:
     """Return the hydrodynamic law of a design that can be simulated; else raise `DesignError` with all problems."""
     problems = list(_limit_problems(design, limits))
     if problems:

@@ -7,6 +7,7 @@ measured: |alpha| is reflected to 180 deg - |alpha|; drag and moment keep their 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -155,8 +156,9 @@ def _fit_polynomials(angles: Array, data: Array) -> tuple[Array, Array]:
     return breaks, coefficients
 
 
+@lru_cache(maxsize=64)
 def build_law(table: PolarTable) -> HydrodynamicLaw:
-    """Make the law of a table.
+    """Make the law of a table; laws of equal tables are made once, since every edit of a design asks again.
 
     Raises
     ------
@@ -167,7 +169,10 @@ def build_law(table: PolarTable) -> HydrodynamicLaw:
     angles, data = select_data(table)
     fit = _fit_pchip if table.law == "pchip" else _fit_polynomials
     breaks, coefficients = fit(angles, data)
-    law = HydrodynamicLaw(breaks, np.ascontiguousarray(coefficients), _errors(breaks, coefficients, angles, data))
+    coefficients = np.ascontiguousarray(coefficients)
+    for shared in (breaks, coefficients):
+        shared.setflags(write=False)
+    law = HydrodynamicLaw(breaks, coefficients, _errors(breaks, coefficients, angles, data))
     _require_positive_drag(table, law)
     return law
 

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import json
 import platform
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from enum import Enum
+from functools import cached_property
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from models.design import Design, loads_design
+
+Array = NDArray[np.float64]
 
 
 class Status(Enum):
@@ -79,38 +84,73 @@ CELL_VARIABLES: dict[str, tuple[str, str]] = {
 """Unit and meaning of every variable over time and cell."""
 
 
+def _attributes(unit: str, meaning: str) -> dict[str, str]:
+    return {"units": unit, "long_name": meaning}
+
+
 @dataclass(frozen=True)
 class Run:
     """One simulated glide.
 
-    `data` has the dimensions `time` (s) and `cell` (names), the variables of `VARIABLES` and `CELL_VARIABLES`, units in
-    their attributes. `statistics` counts steps and evaluations.
+    `times` (samples,) s; `values` (samples,) by the names of `VARIABLES`; `cell_values` (samples, cells) by those of
+    `CELL_VARIABLES`, its columns in the order of `cells`. `statistics` counts steps and evaluations.
     """
 
     design: Design
-    data: xr.Dataset
+    times: Array
+    values: Mapping[str, Array]
+    cells: tuple[str, ...]
+    cell_values: Mapping[str, Array]
     status: Status
     events: tuple[Event, ...]
     statistics: dict[str, int | float]
     kernel: str
 
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """The samples on the named axes `time` (s) and `cell` (names), units in the attributes."""
+        variables: dict[str, Any] = {
+            name: ("time", self.values[name], _attributes(*about)) for name, about in VARIABLES.items()
+        }
+        for name, about in CELL_VARIABLES.items():
+            variables[name] = (("time", "cell"), self.cell_values[name], _attributes(*about))
+        coordinates = {
+            "time": ("time", self.times, _attributes("s", "time since the start of the mission")),
+            "cell": ("cell", np.array(self.cells, dtype=object)),
+        }
+        return xr.Dataset(variables, coordinates)
+
+    def select(self, samples: NDArray[np.intp]) -> Run:
+        """Return the run with only some of its samples, by index."""
+        return replace(
+            self,
+            times=self.times[samples],
+            values={name: column[samples] for name, column in self.values.items()},
+            cell_values={name: table[samples] for name, table in self.cell_values.items()},
+        )
+
     @property
     def final(self) -> dict[str, float]:
         """The last sample of every variable over time, by name, and its time `t`."""
-        return {"t": float(self.data["time"].values[-1])} | {n: float(self.data[n].values[-1]) for n in VARIABLES}
+        return {"t": float(self.times[-1])} | {name: float(self.values[name][-1]) for name in VARIABLES}
 
     @property
     def energy_exchanged(self) -> float:
         """Largest magnitude of any energy or work in the balance, J: what the residual is compared with."""
-        potential = self.data["potential_energy"].values
-        parts = [self.data[name].values for name in ("kinetic_energy", "actuator_work", "water_work")]
+        potential = self.values["potential_energy"]
+        parts = [self.values[name] for name in ("kinetic_energy", "actuator_work", "water_work")]
         return max(float(np.abs(part).max()) for part in (*parts, potential - potential[0]))
+
+    @property
+    def largest_residual(self) -> float:
+        """Largest magnitude of the energy residual, J."""
+        return float(np.abs(self.values["energy_residual"]).max())
 
     @property
     def relative_residual(self) -> float:
         """Largest energy residual as a share of the energy exchanged (0 where nothing moved)."""
         exchanged = self.energy_exchanged
-        return float(np.abs(self.data["energy_residual"].values).max()) / exchanged if exchanged > 0.0 else 0.0
+        return self.largest_residual / exchanged if exchanged > 0.0 else 0.0
 
     def to_netcdf(self, path: Path | None = None) -> bytes:
         """Return the run as NetCDF 4, and write it to `path` where one is given."""
@@ -143,8 +183,17 @@ class Run:
             raise ValueError(f"{path} is not a run of the glider studio: it lacks {', '.join(sorted(missing))}")
         events = tuple(Event(t, kind, cell) for t, kind, cell in json.loads(a["events"]))
         statistics: dict[str, int | float] = json.loads(a["statistics"])
-        design, kernel = loads_design(a["design"]), str(a["kernel"])
-        return cls(design, data.drop_attrs(), Status[a["status"]], events, statistics, kernel)
+        return cls(
+            design=loads_design(a["design"]),
+            times=data["time"].values,
+            values={name: data[name].values for name in VARIABLES},
+            cells=tuple(str(name) for name in data["cell"].values),
+            cell_values={name: data[name].values for name in CELL_VARIABLES},
+            status=Status[a["status"]],
+            events=events,
+            statistics=statistics,
+            kernel=str(a["kernel"]),
+        )
 
     def to_csv(self, path: Path | None = None) -> str:
         """Return the run as CSV, one row a sample, units in the header; write it to `path` where one is given."""
@@ -157,14 +206,13 @@ class Run:
         return content
 
     def _flat_columns(self) -> tuple[list[Any], list[str]]:
-        d = self.data
-        columns, header = [d["time"].values], ["t [s]"]
+        columns, header = [self.times], ["t [s]"]
         for name, (unit, _) in VARIABLES.items():
-            columns.append(d[name].values)
+            columns.append(self.values[name])
             header.append(f"{name} [{unit}]")
         for name, (unit, _) in CELL_VARIABLES.items():
-            for cell in d["cell"].values:
-                columns.append(d[name].sel(cell=cell).values)
+            for k, cell in enumerate(self.cells):
+                columns.append(self.cell_values[name][:, k])
                 label = f"{name} of {cell} [{unit}]"
                 header.append('"' + label.replace('"', '""') + '"' if any(c in label for c in ',"') else label)
         return columns, header

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from models.assemble import Assembly, assemble
@@ -17,7 +15,7 @@ from models.kernel.integrate import CANCEL, PROGRESS, integrate
 from models.kernel.outputs import COLUMNS, outputs
 from models.kernel.params import EXTENSIONS, make_record, make_work
 from models.limits import DEFAULT_LIMITS, Limits
-from models.run import CELL_VARIABLES, VARIABLES, Event, Run, Status
+from models.run import Event, Run, Status
 
 STATUS_BY_CODE = (
     Status.completed, Status.surface, Status.bed, Status.diverged,
@@ -83,8 +81,9 @@ def run_assembly(assembly: Assembly, *, limits: Limits = DEFAULT_LIMITS, control
     values = dict(zip(STATES, states[:, :EXTENSIONS].T, strict=True)) | dict(zip(COLUMNS, columns.T, strict=True))
     cells = {"command": commands, "extension": states[:, EXTENSIONS:], "volume": volumes}
     return Run(
-        design, _dataset(times, values, cells, assembly.cells), STATUS_BY_CODE[code],
-        _events(record.events[: counts[1]], assembly.cells), statistics, KERNEL_HASH,
+        design=design, times=times, values=values, cells=assembly.cells, cell_values=cells,
+        status=STATUS_BY_CODE[code], events=_events(record.events[: counts[1]], assembly.cells),
+        statistics=statistics, kernel=KERNEL_HASH,
     )  # fmt: skip
 
 
@@ -92,19 +91,3 @@ def _events(rows: NDArray[np.float64], cells: tuple[str, ...]) -> tuple[Event, .
     return tuple(
         Event(float(t), EVENT_KINDS[int(kind)], cells[int(part)] if part >= 0 else None) for t, kind, part in rows
     )
-
-
-def _dataset(
-    times: NDArray[np.float64], values: dict[str, Any], cells: dict[str, Any], names: tuple[str, ...]
-) -> xr.Dataset:
-    variables: dict[str, Any] = {
-        name: ("time", values[name], {"units": unit, "long_name": meaning})
-        for name, (unit, meaning) in VARIABLES.items()
-    }
-    for name, (unit, meaning) in CELL_VARIABLES.items():
-        variables[name] = (("time", "cell"), cells[name], {"units": unit, "long_name": meaning})
-    coordinates = {
-        "time": ("time", times, {"units": "s", "long_name": "time since the start of the mission"}),
-        "cell": ("cell", np.array(names, dtype=object)),
-    }
-    return xr.Dataset(variables, coordinates)

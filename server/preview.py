@@ -8,9 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from models.assemble import assemble
 from models.design import Design
 from models.kernel.params import EXTENSIONS
@@ -99,21 +96,20 @@ def _listed() -> str:
 
 def thinned(run: Run, max_points: int | None) -> Run:
     """Return a run with at most `max_points` samples that keep the extremes of every variable over time."""
-    if max_points is None or run.data.sizes["time"] <= max_points:
+    if max_points is None or len(run.times) <= max_points:
         return run
-    series = [run.data[name].values for name in VARIABLES]
-    series += [column for name in CELL_VARIABLES for column in run.data[name].values.T]
-    return dataclasses.replace(run, data=run.data.isel(time=choose_samples(series, max_points)))
+    series = [run.values[name] for name in VARIABLES]
+    series += [column for name in CELL_VARIABLES for column in run.cell_values[name].T]
+    return run.select(choose_samples(series, max_points))
 
 
 def as_mapping(preview: PreviewRun, columns: Sequence[str], max_points: int | None) -> dict[str, Any]:
     """Return a run as plain values: samples of the columns that were asked for, with their extremes."""
     run = preview.run
-    data = run.data
-    series: dict[str, NDArray[np.float64]] = {name: data[name].values for name in VARIABLES if name in columns}
-    of_cells = {name: data[name].values for name in CELL_VARIABLES if name in columns}
+    series = {name: run.values[name] for name in VARIABLES if name in columns}
+    of_cells = {name: run.cell_values[name] for name in CELL_VARIABLES if name in columns}
     shown = [*series.values(), *(column for table in of_cells.values() for column in table.T)]
-    times = data["time"].values
+    times = run.times
     samples = choose_samples(shown or [times], max_points or DEFAULT_POINTS)
     return {
         "status": run.status.name,
@@ -122,10 +118,10 @@ def as_mapping(preview: PreviewRun, columns: Sequence[str], max_points: int | No
         "units": {"t": "s"} | _units(VARIABLES, series) | _units(CELL_VARIABLES, of_cells),
         "columns": {"t": times[samples].tolist()} | {name: values[samples].tolist() for name, values in series.items()},
         "cells": [
-            {"name": str(cell)} | {name: table[samples, j].tolist() for name, table in of_cells.items()}
-            for j, cell in enumerate(data["cell"].values)
+            {"name": cell} | {name: table[samples, j].tolist() for name, table in of_cells.items()}
+            for j, cell in enumerate(run.cells)
         ],
-        "final": {"t": float(times[-1])} | {name: float(data[name].values[-1]) for name in VARIABLES},
+        "final": run.final,
         "energy": _energy(run),
         "statistics": run.statistics,
         "warnings": [problem.as_dict() for problem in preview.warnings],
@@ -137,7 +133,8 @@ def _units(table: Mapping[str, tuple[str, str]], shown: Mapping[str, Any]) -> di
 
 
 def _energy(run: Run) -> dict[str, float]:
-    residual = float(np.abs(run.data["energy_residual"].values).max())
-    exchanged = run.energy_exchanged
-    relative = residual / exchanged if exchanged > 0.0 else 0.0
-    return {"residual": residual, "exchanged": exchanged, "relative_residual": relative}
+    return {
+        "residual": run.largest_residual,
+        "exchanged": run.energy_exchanged,
+        "relative_residual": run.relative_residual,
+    }

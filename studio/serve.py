@@ -65,6 +65,7 @@ def _bind(settings: Settings) -> socket.socket | None:
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((settings.host.strip("[]"), settings.port))
+        listener.listen(128)  # from now on a browser waits instead of being refused
     except OSError as error:
         listener.close()
         print(

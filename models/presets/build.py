@@ -38,8 +38,8 @@ CANETE_NOTE = prose(f"""
 THREE_CELL_NOTE = prose(f"""
     Two bellows, a piston and a sliding battery in one plane, each with its rate limit and lag: a sawtooth of two dives.
     A made-up glider on the stand-in hull that shows what the paper's model leaves room for; mass properties are
-    composed from the parts. The piston sinks and raises it, the end cells and the slide pitch it. Its sizes are ours and no
-    published glider's. {HULL_NOTE}
+    composed from the parts. The piston sinks and raises it, the end cells and the slide pitch it. Its sizes are ours
+    and no published glider's. {HULL_NOTE}
 """)
 
 

@@ -261,10 +261,10 @@ def test_a_lifespan_given_from_outside_is_entered_and_left():
 def test_numbers_that_are_not_finite_become_null(monkeypatch):
     def broken(design, settings, control):
         preview = run_preview(design, settings, control)
-        data = preview.run.data.copy(deep=True)
-        data["lift"].values[3:] = np.inf
-        data["drag"].values[:] = np.nan
-        return dataclasses.replace(preview, run=dataclasses.replace(preview.run, data=data))
+        values = {name: column.copy() for name, column in preview.run.values.items()}
+        values["lift"][3:] = np.inf
+        values["drag"][:] = np.nan
+        return dataclasses.replace(preview, run=dataclasses.replace(preview.run, values=values))
 
     monkeypatch.setattr(simulations, "run_preview", broken)
     answer = read_json(ask("POST", PREVIEW, {"design": preset(), "options": {"max_points": 10}}))
