@@ -72,6 +72,7 @@ def _begin(offset: Vector, direction: Vector, length: float) -> Vector:
     return x, y, z
 
 
+@lru_cache(maxsize=1024)
 def bodies(component: Component) -> tuple[Body, ...]:
     """Return what to draw of a component."""
     cell = not isinstance(component, Rigid | MovableMass)
@@ -138,13 +139,19 @@ def drawn_length(component: Component) -> float | None:
     return next((body.sizes[0] for body in bodies(component) if body.grows), None)
 
 
+@lru_cache(maxsize=1024)
 def drawn_extent(component: Component) -> tuple[float, float]:
     """Return how far forward and aft of its position a component is drawn: smallest and largest x, m."""
-    low = high = 0.0
-    for body in bodies(component):
-        x = body.offset[0] + rotate(body.mesh.vertices, body.attitude)[:, 0]
-        low, high = min(low, float(x.min())), max(high, float(x.max()))
-    return low, high
+    reach = [extent(body) for body in bodies(component)]
+    return min((low[0] for low, _ in reach), default=0.0), max((high[0] for _, high in reach), default=0.0)
+
+
+@lru_cache(maxsize=1024)
+def extent(body: Body) -> tuple[Vector, Vector]:
+    """Return the smallest and largest coordinates of a body, relative to its component's position, m."""
+    points = rotate(body.mesh.vertices, body.attitude) + np.array(body.offset)
+    low, high = (tuple(float(v) for v in corner) for corner in (points.min(axis=0), points.max(axis=0)))
+    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
 
 def rotate(points: meshes.Array, attitude: Quaternion) -> meshes.Array:

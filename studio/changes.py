@@ -7,9 +7,12 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from models.components import Bladder, Component, Rigid
+from pydantic import TypeAdapter
+
+from models.components import Bellows, Bladder, Component, Piston, Rigid
 from models.design import Design
 from models.problems import DesignError, Problem, pointer_to
+from models.volumes import volume
 from studio.bodies import drawn_extent
 
 Operation = dict[str, Any]
@@ -22,6 +25,7 @@ NAMES = {
     "movable_mass": "Movable mass",
     "rigid": "Part",
 }
+_components: TypeAdapter[Component] = TypeAdapter(Component)
 COMPONENT = re.compile(r"/vehicle/components/(\d+)(/name)?")
 
 
@@ -29,14 +33,14 @@ def _new_component(kind: str) -> dict[str, Any]:
     match kind:
         case "bellows":
             return {
-                "mass": 0.03, "pleats": 8, "inner_radius": 0.016, "outer_radius": 0.024, "fixed_volume": 1e-4,
+                "pleats": 8, "inner_radius": 0.016, "outer_radius": 0.024, "fixed_volume": 2e-5,
                 "extension_range": [0.0, 0.032], "neutral_extension": 0.016, "rate_limit": 0.002,
             }  # fmt: skip
         case "piston":
-            return {"mass": 0.05, "volume": 4e-5, "volume_range": [3e-5, 5e-5], "area": 5e-4, "rate_limit": 0.002}
+            return {"volume": 4e-5, "volume_range": [3e-5, 5e-5], "area": 5e-4, "rate_limit": 0.002}
         case "bladder":
             return {
-                "mass": 0.02, "extensions": [0.0, 0.01, 0.02], "volumes": [1e-5, 2e-5, 3e-5],
+                "extensions": [0.0, 0.01, 0.02], "volumes": [1e-5, 2e-5, 3e-5],
                 "neutral_extension": 0.01, "rate_limit": 0.002,
             }  # fmt: skip
         case "movable_mass":
@@ -74,10 +78,14 @@ def free_place(design: Design) -> float:
 
 
 def added(design: Design, kind: str) -> Patch:
-    """Return the patch that adds a small component of a kind in the widest gap."""
-    component = _new_component(kind) | {
+    """Return the patch that adds a small component of a kind in the widest gap; a cell floats neutral by itself."""
+    component = {"mass": 0.0} | _new_component(kind) | {
         "kind": kind, "name": free_name(design, NAMES[kind]), "position": [free_place(design), 0.0, 0.0]
     }  # fmt: skip
+    part = _components.validate_python(component)
+    if isinstance(part, Bellows | Piston | Bladder):
+        density = design.mission.environment.water.density
+        component["mass"] = float(f"{density * volume(part, part.neutral):.4g}")
     return [{"op": "add", "path": "/vehicle/components/-", "value": component}]
 
 

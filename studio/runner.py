@@ -18,12 +18,15 @@ log = logging.getLogger(__name__)
 GRACE = 0.25
 """How long a simulation may go on once a newer design waits, s: while someone drags, quick ones all get drawn."""
 KERNEL_POLL = 0.1
+QUICK = 0.03
+"""A run expected to take less, s, is told together with its document: one redraw in place of two."""
 
 
 class Runner:
     """Simulates in a thread of its own. Of the designs submitted while it is busy only the newest is simulated.
 
-    `on_change` is called there before each simulation and at each `touch`, `on_run` after each one that ended.
+    `on_change` is called there at each `touch` and before each simulation that is not known to be quick, `on_run` after
+    each one that ended.
     """
 
     def __init__(
@@ -35,6 +38,7 @@ class Runner:
         self._touched = self._closed = False
         self._control: Control | None = None
         self._began = 0.0
+        self._last: tuple[Assembly, float] | None = None
         self._thread = threading.Thread(target=self._work, name="session-runner", daemon=True)
         self._thread.start()
 
@@ -81,12 +85,22 @@ class Runner:
                 self._wake.wait_for(lambda: self._pending is not None or self._touched or self._closed)
                 if self._closed:
                     return
-                self._touched = False
+                touched, self._touched = self._touched, False
+                quick = not touched and self._pending is not None and self._is_quick(self._pending)
             try:
-                self._on_change()
+                if not quick:
+                    self._on_change()
                 self._simulate_newest()
             except Exception:  # a view's mistake must not end the session's only worker
                 log.exception("a session's worker failed")
+
+    def _is_quick(self, assembly: Assembly) -> bool:
+        """Whether a design's run will be quick, as that of the last design with this duration and solver was."""
+        if self._last is None:
+            return False
+        last, elapsed = self._last
+        mission, before = assembly.design.mission, last.design.mission
+        return elapsed < QUICK and mission.duration == before.duration and mission.solver == before.solver
 
     def _take(self) -> Assembly | None:
         """Return the newest design once the kernel is ready; None where there is none, or views must hear first."""
@@ -109,5 +123,8 @@ class Runner:
         finally:
             with self._wake:
                 self._control = None
-        if run.status is not Status.cancelled:
+        self._last = assembly, time.monotonic() - self._began
+        if run.status is Status.cancelled:
+            self._on_change()
+        else:
             self._on_run(assembly, run)

@@ -12,11 +12,11 @@ from typing import Any
 
 import viser
 
-from models.components import Component, Rigid
+from models.components import Component
 from models.design import Design
 from models.mass_properties import initial_extensions, mass_balance
 from studio import meshes, palette
-from studio.bodies import Body, bodies, drawn_extent
+from studio.bodies import Body, bodies, drawn_extent, extent
 from studio.meshes import Mesh
 from studio.palette import component_colors, rgb
 
@@ -61,7 +61,8 @@ class PartNodes:
             name = "stack" if body.grows else f"shape{k}"
             mesh = add_mesh(self._scene, f"{root}/{name}", body.mesh, color, opacity=body.opacity)
             mesh.position, mesh.wxyz = body.offset, body.attitude
-            mesh.on_click(lambda _: self._on_click(self._index))
+            if body.opacity is None:  # what is see-through must not catch clicks meant for what is inside
+                mesh.on_click(lambda _: self._on_click(self._index))
             if body.grows:
                 self.stack = mesh
 
@@ -136,7 +137,7 @@ def vehicle_length(design: Design) -> float:
 def half_width(design: Design) -> float:
     """Return how far the vehicle reaches to starboard, wings apart, m."""
     reach = [
-        c.position[1] + body.offset[1] + float(body.mesh.vertices[:, 1].max())
+        c.position[1] + extent(body)[1][1]
         for c in design.vehicle.components
         for body in bodies(c)
         if body.kind != "wing"
@@ -145,24 +146,30 @@ def half_width(design: Design) -> float:
 
 
 class Gizmo:
-    """Arrows on the selected component that move it along the body's x and z axes.
+    """Arrows above the selected component that move it along the body's x and z axes.
 
-    It is a child of `/glider`: what it reports is in body axes whatever attitude a page shows.
+    A child of `/glider`: what it reports is in body axes whatever attitude a page shows. It stands clear of the
+    component, for a part that can be clicked would take the pointer from it.
     """
+
+    UPSIDE_DOWN = (0.0, 1.0, 0.0, 0.0)
 
     def __init__(self, scene: viser.SceneApi, on_move: Callable[[tuple[float, float, float]], None]) -> None:
         self._scene, self._on_move = scene, on_move
         self._handle: Any = None
-        self._scale = 0.0
+        self._scale = self._clearance = 0.0
         self._dragging = False
 
-    def update(self, component: Component, scale: float) -> None:
-        """Put it on a component; one that is being dragged stays with the pointer."""
+    def update(self, component: Component, length: float) -> None:
+        """Put it on a component of a vehicle of this length; while it is dragged it stays with the pointer."""
+        scale = round(0.14 * length, 2)
         if scale != self._scale:
             self._make(scale)
         if not self._dragging:
-            self._handle.position = component.position
-        self._handle.visible = not (isinstance(component, Rigid) and component.position == (0.0, 0.0, 0.0))
+            x, y, z = component.position
+            top = min((extent(body)[0][2] for body in bodies(component)), default=0.0)
+            self._clearance = 0.03 * length - top
+            self._handle.position = (x, y, z - self._clearance)
 
     def _make(self, scale: float) -> None:
         if self._handle is not None:
@@ -170,7 +177,7 @@ class Gizmo:
         self._scale = scale
         self._handle = self._scene.add_transform_controls(
             "/glider/gizmo", scale=scale, active_axes=(True, False, True), disable_sliders=True,
-            disable_rotations=True, depth_test=False, line_width=2.0, opacity=0.9,
+            disable_rotations=True, depth_test=False, line_width=2.0, opacity=0.9, wxyz=self.UPSIDE_DOWN,
         )  # fmt: skip
         # coroutines keep the order of a drag's phases
         self._handle.on_update(self._moved)
@@ -179,5 +186,7 @@ class Gizmo:
         if event.client is None:
             return
         self._dragging = event.phase != "end"
+        if event.phase == "start":
+            return
         x, y, z = (float(v) for v in event.target.position)
-        self._on_move((x, y, z))
+        self._on_move((x, y, z + self._clearance))

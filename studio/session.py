@@ -31,7 +31,7 @@ MERGE_WITHIN = 1.0
 
 
 class Change(Enum):
-    """What subscribers are told: the document (or problem, or selection) changed, or a run ended."""
+    """What subscribers are told: document, problem or selection changed; or a run ended, and maybe those too."""
 
     document = auto()
     run = auto()

@@ -139,26 +139,25 @@ def _mass(design: Design) -> dict[str, Any]:
 
 def run_document(run: Run, design: Design) -> dict[str, Any]:
     """Return a run's curves, thinned to what a screen shows; its cells by their index in the present design."""
-    columns = {name: run.data[name].values for name in VARIABLES}
-    cells = {name: run.data[name].values for name in ("command", "extension", "volume")}
+    columns, cells = run.values, run.cell_values
     # the cells' columns too: a step of a command must not be thinned away
     leading = [columns[name] for name in FLAT_VARIABLES] + list(cells["command"].T) + list(cells["extension"].T)
     chosen = choose_samples(leading, MAX_POINTS)
     indices = {c.name: i for i, c in enumerate(design.vehicle.components) if isinstance(c, Actuated)}
-    times = run.data["time"].values
     return {
         "status": run.status.name,
         "message": run.status.value,
         "events": [{"time": e.time, "kind": e.kind, "label": str(e)} for e in run.events],
-        "energy_residual": float(np.abs(columns["energy_residual"]).max()),
+        "energy_residual": run.largest_residual,
         "energy_exchanged": run.energy_exchanged,
         "elapsed_ms": 1e3 * run.statistics["elapsed"],
         "units": {"t": "s"} | {name: unit for name, (unit, _) in VARIABLES.items()},
-        "columns": {"t": rounded(times[chosen])} | {name: rounded(column[chosen]) for name, column in columns.items()},
+        "columns": {"t": rounded(run.times[chosen])}
+        | {name: rounded(column[chosen]) for name, column in columns.items()},
         "cells": [
             {"name": name, "component": indices[name]}
             | {kind: rounded(values[chosen, k]) for kind, values in cells.items()}
-            for k, name in enumerate(run.data["cell"].values.tolist())
+            for k, name in enumerate(run.cells)
             if name in indices
         ],
     }

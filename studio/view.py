@@ -74,10 +74,10 @@ class View:
         if run is None:
             return
         with self._lock, self.server.atomic():
-            times = run.data["time"].values
+            times = run.times
 
             def now(name: str) -> float:
-                return float(np.interp(t, times, run.data[name].values))
+                return float(np.interp(t, times, run.values[name]))
 
             self._pose(now("x"), now("z"), now("theta"))
             self.glider.centers["com"].position = (now("com_x"), 0.0, now("com_z"))
@@ -106,10 +106,9 @@ class View:
         middle = (low + high) / 2.0
         return (middle, 0.0, 0.0), (middle + x * length, y * length, z * length)
 
-    def _changed(self, change: Change) -> None:
+    def _changed(self, _: Change) -> None:
         with self._lock, self.server.atomic():
-            if change is Change.document:
-                self.form.update()
+            self.form.update()
             self._redraw()
         self.server.flush()
 
@@ -121,7 +120,7 @@ class View:
             self.glider.update(design)
             initial = design.mission.initial
             self._pose(initial.position[0], initial.position[2], initial.pitch)
-        self.gizmo.update(self.session.selected_component, round(0.16 * vehicle_length(design), 2))
+        self.gizmo.update(self.session.selected_component, vehicle_length(design))
         if run is not None and run is not self._drawn_run:
             self._drawn_run = run
             points = path_points(run)
@@ -136,12 +135,12 @@ class View:
         self.glider.frame.wxyz = pitch_quaternion(theta)
 
     def _stretch_cells(self, run: Run, t: float) -> None:
-        times, names = run.data["time"].values, run.data["cell"].values.tolist()
+        extensions = run.cell_values["extension"]
         for i, part in self.session.design.vehicle.actuated:
             stack, length = self.glider.stack(i), drawn_length(part)
-            if stack is None or length is None or part.name not in names:
+            if stack is None or length is None or part.name not in run.cells:
                 continue
-            extension = float(np.interp(t, times, run.data["extension"].sel(cell=part.name).values))
+            extension = float(np.interp(t, run.times, extensions[:, run.cells.index(part.name)]))
             stretch = 1.0 + EXAGGERATION * (extension - part.neutral) / length
             stack.scale = (max(stretch, SMALLEST_STRETCH), 1.0, 1.0)
 

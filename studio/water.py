@@ -32,7 +32,7 @@ def nice_step(span: float, most: int) -> float:
 
 def path_points(run: Run) -> Array:
     """Return the path of the body origin, at most `MAX_PATH_POINTS` rows of x, y, z, m."""
-    x, z = run.data["x"].values, run.data["z"].values
+    x, z = run.values["x"], run.values["z"]
     chosen = choose_samples([z, x], MAX_PATH_POINTS)
     return np.column_stack([x[chosen], np.zeros(len(chosen)), z[chosen]])
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal
 
 from pydantic import BaseModel
@@ -102,6 +103,7 @@ def at(design: Design, *tokens: str | int) -> Any:
     return node
 
 
+@cache
 def hint_for(model: type[BaseModel], field: str) -> str:
     """Return a field's sentence with its symbol, unit and limits."""
     info = model.model_fields[field]

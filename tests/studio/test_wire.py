@@ -1,0 +1,199 @@
+"""What reaches a browser through the proxy: the scene's truth, and the way from a slider to a new path."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Awaitable, Callable
+from contextlib import closing
+from typing import Any
+
+import numpy as np
+import pytest
+
+from models.presets import load_preset
+from models.simulate import simulate
+from studio.bodies import rotate
+from studio.scene import pitch_quaternion
+from studio.water import path_points, segments
+from tests.studio.conftest import Studio, wait_until
+from tests.studio.raw_client import RawClient
+
+Scenario = Callable[[RawClient], Awaitable[Any]]
+
+
+def browse(studio: Studio, scenario: Scenario, *, preset: str = "canete-dual-bellows") -> tuple[Any, str]:
+    client, session_id = studio.open(preset)
+    with closing(client):
+        wait_until(lambda: (s := client.get("state").json())["run"] is not None and not s["simulating"])
+        name = f"gs_{session_id}"
+        cookie = f"{name}={client.cookies[name]}"
+
+    async def run() -> Any:
+        url = studio.url.replace("http", "ws") + f"/s/{session_id}/view"
+        async with RawClient(url, cookie=cookie, origin=studio.url) as browser:
+            return await scenario(browser)
+
+    return asyncio.run(run()), session_id
+
+
+def is_path(message: dict[str, Any]) -> bool:
+    named = message.get("name") == "/world/path"
+    return named and ("points" in message.get("updates", {}) or "points" in message.get("props", {}))
+
+
+def points_of(message: dict[str, Any]) -> np.ndarray:
+    placeholder = (message.get("updates") or message["props"])["points"]
+    return np.frombuffer(message["arrays"][placeholder["__binary_index"]], dtype=np.float32).reshape(-1, 2, 3)
+
+
+def test_the_path_is_the_run(studio: Studio) -> None:
+    async def first(browser: RawClient) -> np.ndarray:
+        return points_of(await browser.wait_for(is_path))
+
+    shown, _ = browse(studio, first)
+    expected = segments(path_points(simulate(load_preset("canete-dual-bellows"))))
+    # single precision of metres
+    assert shown == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_slider_moves_the_path(studio: Studio) -> None:
+    async def drag(browser: RawClient) -> np.ndarray:
+        await browser.wait_for(is_path)
+        heard = len(browser.messages)
+        await browser.set_widget(await browser.widget("Position x"), 170.0)
+        return points_of(await browser.wait_for(is_path, after=heard))
+
+    shown, session_id = browse(studio, drag)
+    session = studio.sessions.get(session_id)
+    assert session is not None
+    assert session.design.vehicle.components[1].position[0] == pytest.approx(0.17, abs=1e-12)
+    expected = segments(path_points(simulate(session.design)))
+    assert shown == pytest.approx(expected, abs=1e-6)
+
+
+def test_dragging_the_arrows_moves_the_component(studio: Studio) -> None:
+    async def drag(browser: RawClient) -> None:
+        await browser.wait_for(is_path)
+        named = {"name": "/glider/gizmo", "owner": ""}
+        at = await browser.wait_for(lambda m: m["type"] == "SetPositionMessage" and m["name"] == "/glider/gizmo")
+        x, y, z = at["position"]
+        heard = len(browser.messages)
+        await browser.send(type="TransformControlsDragStartMessage", **named)
+        upside_down = (0.0, 1.0, 0.0, 0.0)
+        await browser.send(
+            type="TransformControlsUpdateMessage", wxyz=upside_down, position=(x - 0.05, y, z + 0.004), **named
+        )
+        await browser.send(type="TransformControlsDragEndMessage", **named)
+        await browser.wait_for(is_path, after=heard)
+
+    _, session_id = browse(studio, drag)
+    session = studio.sessions.get(session_id)
+    assert session is not None
+    # the drag is rounded to a hundredth of a millimetre
+    assert session.design.vehicle.components[1].position == pytest.approx((0.13, 0.0, 0.004), abs=1e-5)
+
+
+def test_a_refused_number_is_told_and_changes_nothing(studio: Studio) -> None:
+    async def spoil(browser: RawClient) -> str:
+        await browser.wait_for(is_path)
+        heard = len(browser.messages)
+        await browser.set_widget(await browser.widget("Mass"), -5.0)
+        told = await browser.wait_for(lambda m: "studio-problem" in str(m.get("updates", {})), after=heard)
+        return str(told["updates"]["content"])
+
+    told, session_id = browse(studio, spoil)
+    session = studio.sessions.get(session_id)
+    assert session is not None
+    assert "Front bellows, mass" in told
+    assert session.design == load_preset("canete-dual-bellows")
+
+
+def test_an_edit_from_elsewhere_reaches_the_widget(studio: Studio) -> None:
+    async def watch(browser: RawClient) -> tuple[str, float]:
+        uuid = await browser.widget("Position x")
+        heard = len(browser.messages)
+        live = studio.sessions.get(browser._url.split("/")[-2])
+        assert live is not None
+        await asyncio.to_thread(live.set_field, "/vehicle/components/1/position/0", 0.16)
+        moved = await browser.wait_for(lambda m: m.get("uuid") == uuid and "value" in m.get("updates", {}), after=heard)
+        return uuid, moved["updates"]["value"]
+
+    (_, value), _ = browse(studio, watch)
+    assert value == 160.0
+
+
+def test_text_from_a_document_is_never_markup(studio: Studio) -> None:
+    nasty = "<img src=x onerror=alert(1)>"
+
+    async def rename(browser: RawClient) -> list[str]:
+        live = studio.sessions.get(browser._url.split("/")[-2])
+        assert live is not None
+        await asyncio.to_thread(live.set_field, "/vehicle/components/1/name", nasty)
+        heard = len(browser.messages)
+        await browser.set_widget(await browser.widget("Mass"), -1.0)
+        await browser.wait_for(lambda m: "studio-problem" in str(m.get("updates", {})), after=heard)
+        parts = [m.get("props") or m.get("updates") or {} for m in browser.messages]
+        return [part["content"] for part in parts if isinstance(part.get("content"), str)]
+
+    contents, _ = browse(studio, rename)
+    assert any("&lt;img" in content for content in contents)
+    assert not any("<img" in content for content in contents)
+
+
+def test_nodes_have_the_physics_own_axes(studio: Studio) -> None:
+    async def look(browser: RawClient) -> dict[str, dict[str, Any]]:
+        heard = len(browser.messages)
+        live = studio.sessions.get(browser._url.split("/")[-2])
+        assert live is not None
+        await asyncio.to_thread(live.set_field, "/mission/initial/pitch", 0.4)
+        await browser.wait_for(lambda m: m["type"] == "SetOrientationMessage" and m["name"] == "/glider", after=heard)
+        kinds = ("SetOrientationMessage", "SetPositionMessage")
+        return {f"{m['type'][3:6]} {m['name']}": m for m in browser.messages if m["type"] in kinds}
+
+    nodes, _ = browse(studio, look)
+    attitude = nodes["Ori /glider"]["wxyz"]
+    assert attitude == pytest.approx((math.cos(0.2), 0.0, math.sin(0.2), 0.0), abs=1e-12)
+    assert nodes["Pos /world"]["position"] == pytest.approx((0.0, 0.0, -0.5), abs=1e-12)
+    assert nodes["Pos /glider/cell1"]["position"] == pytest.approx((0.18, 0.0, 0.0), abs=1e-12)
+
+
+def test_positive_pitch_raises_the_nose_and_positive_roll_lowers_starboard() -> None:
+    nose, starboard = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1.0, 0.0]])
+    # z points down: above is negative
+    assert rotate(nose, pitch_quaternion(0.3))[0] == pytest.approx((math.cos(0.3), 0.0, -math.sin(0.3)), abs=1e-12)
+    roll = (math.cos(0.15), math.sin(0.15), 0.0, 0.0)
+    assert rotate(starboard, roll)[0] == pytest.approx((0.0, math.cos(0.3), math.sin(0.3)), abs=1e-12)
+
+
+def test_the_scene_has_the_nodes_that_the_page_moves(studio: Studio) -> None:
+    async def names(browser: RawClient) -> set[str]:
+        await browser.wait_for(is_path)
+        return {m["name"] for m in browser.messages if "name" in m}
+
+    found, _ = browse(studio, names, preset="three-cell-glider")
+    arrows = {f"/glider/arrow_{name}" for name in ("weight", "buoyancy", "lift", "drag")}
+    cells = {f"/glider/cell{i}/stack" for i in (3, 4, 5)}
+    parts = {f"/glider/part{i}" for i in (0, 1, 2, 6)}
+    assert {"/world", "/world/path", "/glider", "/glider/com", "/glider/cob"} | arrows | cells | parts <= found
+
+
+def test_the_server_can_move_the_glider_itself(studio: Studio) -> None:
+    async def play(browser: RawClient) -> dict[str, dict[str, Any]]:
+        await browser.wait_for(is_path)
+        heard = len(browser.messages)
+        found = studio.sessions.find(browser._url.split("/")[-2])
+        assert found is not None
+        await asyncio.to_thread(found.view().set_clock, 12.0)
+        await browser.wait_for(lambda m: m["type"] == "SetPositionMessage" and m["name"] == "/world", after=heard)
+        await browser.wait_for(lambda m: m.get("name") == "/glider/cell1/stack", after=heard)
+        return {f"{m['type']} {m['name']}": m for m in browser.messages[heard:] if "name" in m}
+
+    moved, _ = browse(studio, play)
+    run = simulate(load_preset("canete-dual-bellows"))
+    at = run.data.interp(time=12.0)
+    position = moved["SetPositionMessage /world"]["position"]
+    assert position == pytest.approx((-float(at["x"]), 0.0, -float(at["z"])), abs=1e-9)
+    attitude = moved["SetOrientationMessage /glider"]["wxyz"]
+    assert attitude == pytest.approx(pitch_quaternion(float(at["theta"])), abs=1e-9)
+    assert moved["SceneNodeUpdateMessage /glider/cell1/stack"]["updates"]["scale"][0] != 1.0
