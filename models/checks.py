@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.design import Design
 from models.hydrodynamic_law import HydrodynamicLaw, build_law
 from models.limits import Limits
-from models.mass_properties import inertia_matrix, initial_extensions, mass_balance
+from models.mass_properties import MassBalance, inertia_matrix, initial_extensions, mass_balance
 from models.problems import DesignError, Problem, pointer_to
 
 FIXED_COLUMNS, COLUMNS_PER_CELL = 33, 4
@@ -152,12 +153,22 @@ def _mass_problems(design: Design) -> Iterator[Problem]:
             limit=0.0, hint="check the products of inertia",
         )  # fmt: skip
     added = vehicle.added_mass
-    pitch = balance.inertia[1, 1] + (added.matrix[4][4] if added is not None and added.enabled else 0.0)
+    A = np.array(added.matrix) if added is not None and added.enabled else np.zeros((6, 6))
+    pitch = _turning_inertia(balance, A)
     if not problems and pitch <= 1e-12 * balance.mass:
         yield Problem(
             pointer, f"the moment of inertia in pitch is {pitch:.4g} kg m2: the equations are singular",
             limit=0.0, hint="give the components inertia, or put them apart",
         )  # fmt: skip
+
+
+def _turning_inertia(balance: MassBalance, A: NDArray[np.float64]) -> float:
+    """Return the last pivot of the planar M: the inertia in pitch about the point that turns most freely, kg m2."""
+    x, _, z = balance.mass * balance.center_of_mass
+    m = balance.mass
+    M = np.array([[m, 0.0, z], [0.0, m, -x], [z, -x, balance.inertia_about_origin[1, 1]]])
+    M += A[np.ix_([0, 2, 4], [0, 2, 4])]
+    return float(M[2, 2] - M[2, :2] @ np.linalg.solve(M[:2, :2], M[:2, 2]))
 
 
 def _added_mass_problems(design: Design) -> Iterator[Problem]:

@@ -73,15 +73,24 @@ def component_center_of_mass(component: Component, extension: float) -> Array:
 
 
 def component_center_of_buoyancy(component: Component, extension: float) -> Array:
-    """Return a component's centre of buoyancy at an extension, (3,) m."""
-    position = np.array(component.position)
-    if isinstance(component, Rigid | MovableMass) or not grows_along_axis(component):
-        return position
+    """Return a component's centre of buoyancy at an extension, (3,) m; its position where it displaces nothing."""
     total = volume(component, extension)
-    stack = total - core_volume(component)
-    share = stack / total if total > 0.0 else 0.0
-    travel = extension - component.neutral
-    return np.asarray(position + 0.5 * travel * share * unit_axis(component), dtype=np.float64)
+    shift = _stack_moment(component, extension) / total if total > 0.0 else np.zeros(3)
+    return np.asarray(np.array(component.position) + shift, dtype=np.float64)
+
+
+def component_volume_moment(component: Component, extension: float) -> Array:
+    """Return the first moment of the displaced volume about the origin, (3,) m4; it exists where V = 0 too."""
+    home = volume(component, extension) * np.array(component.position)
+    return np.asarray(home + _stack_moment(component, extension), dtype=np.float64)
+
+
+def _stack_moment(component: Component, extension: float) -> Array:
+    """Return the stack's first moment about the component's position, (3,) m4: its centre moves by half its growth."""
+    if isinstance(component, Rigid | MovableMass) or not grows_along_axis(component):
+        return np.zeros(3)
+    stack = volume(component, extension) - core_volume(component)
+    return np.asarray(0.5 * (extension - component.neutral) * stack * unit_axis(component), dtype=np.float64)
 
 
 def mass_balance(vehicle: Vehicle, extensions: Mapping[str, float] | None = None) -> MassBalance:
@@ -98,7 +107,7 @@ def mass_balance(vehicle: Vehicle, extensions: Mapping[str, float] | None = None
         extension = e.get(component.name, 0.0)
         V = volume(component, extension)
         total_volume += V
-        volume_moment += V * component_center_of_buoyancy(component, extension)
+        volume_moment += component_volume_moment(component, extension)
         r = component_center_of_mass(component, extension)
         mass += component.mass
         mass_moment += component.mass * r

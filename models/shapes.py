@@ -57,7 +57,7 @@ class BellowsShape(_Placed):
     length: float = quantity("Length at neutral extension.", unit="m", symbol="L", gt=0.0, le=100.0)
     inner_radius: float = quantity("Radius in the valleys of the pleats.", unit="m", symbol="r", gt=0.0, le=50.0)
     outer_radius: float = quantity("Radius at the crests of the pleats.", unit="m", symbol="R", gt=0.0, le=50.0)
-    pleats: int = Field(description="Number of pleats drawn.", ge=1, le=200, strict=True)
+    pleats: int = quantity("Number of pleats drawn.", unit="1", symbol="m_p", ge=1, le=200)
 
 
 Shape = Annotated[HullShape | CylinderShape | WingShape | BellowsShape, Field(discriminator="kind")]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from models.assemble import assemble
+from models.data_range import outside_data
 from models.design import Design
 from models.kernel.params import EXTENSIONS
 from models.limits import Limits
@@ -73,7 +74,7 @@ def run_preview(design: Design, settings: Settings, control: Control) -> Preview
             f"The preview was stopped after {settings.preview_seconds:g} s of computing, at t = "
             f"{control.time_reached:.6g} s; what was computed is kept. Shorten the mission or raise the tolerance."
         )
-    return PreviewRun(run, message, assembly.warnings)
+    return PreviewRun(run, message, (*assembly.warnings, *outside_data(run)))
 
 
 def check_columns(columns: Sequence[str] | None) -> tuple[str, ...]:

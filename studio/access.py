@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hmac
 from collections.abc import Callable
 from typing import Annotated
 from urllib.parse import urlsplit
@@ -11,10 +10,9 @@ from fastapi import Depends, HTTPException, Request
 from starlette.requests import HTTPConnection
 from starlette.responses import Response
 
+from server.access import brings_token
 from server.settings import Settings, is_loopback
-from studio.registry import OpenSession, Sessions, hash_secret
-
-TOKEN_COOKIE = "gs_token"
+from studio.registry import OpenSession, Sessions
 
 PAGE_HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -83,19 +81,11 @@ def is_known_host(connection: HTTPConnection, *, bound_to: str) -> bool:
     return is_loopback(name)
 
 
-def token_proof(token: str) -> str:
-    """Return what the browser keeps in place of the server's token."""
-    return hash_secret(f"glider-studio browser {token}")
-
-
 def has_token(connection: HTTPConnection, settings: Settings) -> bool:
     """Whether a request may open sessions: on any address but loopback only with the server's token."""
     if not settings.demands_token or settings.token is None:
         return True
-    token = settings.token.get_secret_value()
-    scheme, _, bearer = connection.headers.get("authorization", "").partition(" ")
-    by_header = hmac.compare_digest(bearer.strip().encode(), token.encode()) and scheme.lower() == "bearer"
-    return by_header or hmac.compare_digest(connection.cookies.get(TOKEN_COOKIE, ""), token_proof(token))
+    return brings_token(connection, settings.token.get_secret_value())
 
 
 def find_session(sessions: Sessions, connection: HTTPConnection, session_id: str) -> OpenSession | None:

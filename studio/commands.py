@@ -1,4 +1,4 @@
-"""Owns the commands that need no server: simulate, validate, presets. Errors are one line each, with the JSON Pointer."""
+"""Owns the commands that need no server: simulate, validate, presets. An error is one line with its JSON Pointer."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import threading
 from pathlib import Path
 
 from models.assemble import assemble
+from models.data_range import outside_data
 from models.design import Design, loads_design
 from models.presets import load_preset, preset_ids
 from models.problems import DesignError, Problem
@@ -95,6 +96,8 @@ def _print_summary(run: Run) -> None:
         f"end         t {final['t']:.3f} s, x {final['x']:.4f} m, depth {final['z']:.4f} m, "
         f"pitch {math.degrees(final['theta']):.2f} deg"
     )
+    for warning in outside_data(run):
+        print(f"warning     {warning.message}")
     print(f"residual    {run.relative_residual:.1e} of {run.energy_exchanged:.4g} J exchanged")
     print(f"steps       {run.statistics['steps']} in {1e3 * run.statistics['elapsed']:.1f} ms")
 

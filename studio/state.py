@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic_core import to_json
 
 from models.components import Actuated, Rigid
+from models.data_range import outside_data
 from models.design import Design
 from models.mass_properties import initial_extensions, mass_balance
 from models.problems import Problem
@@ -52,12 +53,16 @@ def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:
         "initial_depth": design.mission.initial.position[2],
         "bed_depth": design.mission.environment.bed_depth,
         "problem": problem_document(session.problem),
-        "warnings": [{"message": _sentence(w), "pointer": w.pointer} for w in session.assembly.warnings],
+        "warnings": [{"message": _sentence(w), "pointer": w.pointer} for w in _warnings(session, run)],
         "hydrodynamics": _hydrodynamics(design),
         "solver": _solver(design),
         "mass": _mass(design),
         "run": None if run is None else run_document(run, design),
     }
+
+
+def _warnings(session: Session, run: Run | None) -> list[Problem]:
+    return [*session.assembly.warnings, *(() if run is None else outside_data(run))]
 
 
 def problem_document(problems: tuple[Problem, ...]) -> dict[str, Any] | None:

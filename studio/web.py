@@ -16,6 +16,7 @@ from starlette.staticfiles import StaticFiles
 
 from models.design import Design, parse_design
 from models.presets import load_preset
+from server.access import TOKEN_COOKIE, token_proof
 from server.answers import json_answer
 from server.body import loads
 from server.errors import problem_response
@@ -23,7 +24,6 @@ from server.settings import Settings
 from studio import operations, proxy
 from studio.access import (
     PAGE_HEADERS,
-    TOKEN_COOKIE,
     Admitted,
     AnySessions,
     SettingsNow,
@@ -32,7 +32,6 @@ from studio.access import (
     is_same_origin,
     provide,
     set_session_cookie,
-    token_proof,
 )
 from studio.registry import Sessions
 from studio.thumbnail import preset_svg

@@ -138,7 +138,8 @@ def lag_corner(gap, slope, rate, lag):
         remaining = gap - math.copysign(edge, gap)
         return remaining / closing if remaining * closing > 0.0 else math.inf
     tends_to = slope * lag
-    if abs(slope) <= rate or abs(gap) >= edge:
+    # at the edge by rounding, a gap that the command closes is free all the same: it will reach the other edge
+    if abs(slope) <= rate or (abs(gap) >= edge and gap * slope > 0.0):
         return math.inf
     return lag * math.log((tends_to - gap) / (tends_to - math.copysign(edge, slope)))
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from models.kernel.actuators import begin_segment
+from models.kernel.actuators import SAME_TIME, begin_segment
 from models.kernel.events import SURFACE, add_event, event_due, find_event, note_stops, scan_stops, stop_is_new
 from models.kernel.jit import compiled, inlined
-from models.kernel.params import EXTENSIONS, WORK_ACTUATORS
+from models.kernel.params import EXTENSIONS, THETA, WORK_ACTUATORS
 from models.kernel.planar import derivative, energies
 from models.kernel.step import interpolate, make_dense, next_factor, pair_step, rk4_step
 
@@ -18,6 +18,8 @@ SMALLEST_STEP = 1e-11
 """Shortest step, relative to the time reached and to 1 s."""
 FIRST_STEP = 1e-3
 """First trial of the adaptive pair, s; the controller finds its own within a few steps."""
+LARGEST_PITCH = 1e6
+"""A solution beyond this has diverged (rad): `sincos` has lost its meaning, and would make numbers up."""
 
 
 @inlined
@@ -47,16 +49,20 @@ def enter_segment(t, y, p, work, record):
 
 @inlined
 def all_finite(y):
-    """Whether every state is finite."""
+    """Whether every state is finite, and the pitch one that `sincos` can take."""
     total = 0.0
     for j in range(y.shape[0]):
         total += y[j] * 0.0
-    return total == 0.0
+    return total == 0.0 and abs(y[THETA]) < LARGEST_PITCH
 
 
 @inlined
 def sample_step(pair, t, h, until, interval, y, work, record):
-    """Record the samples that fall into the step from t to `until`, its end excluded."""
+    """Record the samples that fall into the step from t to `until`, its end excluded.
+
+    One that misses a breakpoint or the end of the run by rounding belongs to what comes after.
+    """
+    until -= SAME_TIME * max(1.0, until)
     row = record.counts[SAMPLES]
     if row < record.times.shape[0] and row * interval < until:
         make_dense(pair, h, y, work)

@@ -129,7 +129,9 @@ def test_text_from_a_document_is_never_markup(studio: Studio) -> None:
     async def rename(browser: RawClient) -> list[str]:
         live = studio.sessions.get(browser._url.split("/")[-2])
         assert live is not None
+        heard = len(browser.messages)
         await asyncio.to_thread(live.set_field, "/vehicle/components/1/name", nasty)
+        await browser.wait_for(lambda m: "&lt;img" in str(m.get("props") or m.get("updates")), after=heard)
         heard = len(browser.messages)
         await browser.set_widget(await browser.widget("Mass"), -1.0)
         await browser.wait_for(lambda m: "studio-problem" in str(m.get("updates", {})), after=heard)

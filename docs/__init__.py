@@ -1,0 +1,1 @@
+"""The documents that are computed: `python -m docs.make_paper` writes docs/paper.md and its figures anew."""

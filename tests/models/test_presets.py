@@ -1,0 +1,103 @@
+"""The designs that come with the program: made by their generator, and they fly as they say."""
+
+from importlib.resources import files
+
+import numpy as np
+import pytest
+
+from models.assemble import assemble
+from models.hydrodynamic_law import FitError
+from models.presets import load_preset, preset_ids
+from models.presets.build import build
+from models.run import Status
+from models.simulate import simulate
+
+
+@pytest.fixture(scope="module")
+def paper():
+    return simulate(load_preset("canete-dual-bellows"))
+
+
+def test_the_files_are_those_of_the_generator():
+    built = build()
+    assert tuple(built) == preset_ids()
+    for preset_id, design in built.items():
+        committed = files("models.presets").joinpath(f"{preset_id}.json").read_text(encoding="utf-8")
+        assert committed == design.to_json(), f"run `python -m models.presets.build`: {preset_id} differs"
+
+
+@pytest.mark.parametrize("preset_id", preset_ids())
+def test_presets_run_to_their_end_without_a_warning(preset_id):
+    design = load_preset(preset_id)
+    assert assemble(design).warnings == ()
+    assert simulate(design).status is Status.completed
+
+
+@pytest.mark.parametrize("preset_id", preset_ids())
+def test_presets_say_where_their_numbers_come_from(preset_id):
+    design = load_preset(preset_id)
+    provenance = design.vehicle.hydrodynamics.provenance
+    assert "OpenFOAM" in provenance.source
+    assert "not its geometry" in provenance.limits
+    assert "stand-in" in design.notes
+
+
+def test_an_unknown_preset_is_a_key_error():
+    with pytest.raises(KeyError):
+        load_preset("nautilus")
+
+
+def test_the_papers_parameters_are_its_table_ii():
+    design = load_preset("canete-dual-bellows")
+    declared = design.vehicle.mass_properties
+    assert (declared.mass, declared.inertia.yy) == (0.787, 0.029)
+    assert declared.center_of_mass == (0.0, 0.0, 0.001)
+    assert design.vehicle.damping.pitch == 0.001
+    assert design.mission.environment.gravity == 9.8
+    assert design.vehicle.added_mass is not None and not design.vehicle.added_mass.enabled
+
+
+def test_the_papers_glide_dives_for_ten_seconds_then_climbs(paper):
+    """Its Figs. 8 and 9 in size: nose down to about -50 deg, about 0.3 m down and forward at 10 s, then up."""
+    at = {t: paper.data.sel(time=t, method="nearest") for t in (6.0, 10.0, 15.0, 20.0)}
+    assert np.rad2deg(float(at[6.0]["theta"])) == pytest.approx(-50.0, abs=3.0)
+    start = float(paper.data["z"][0])
+    assert float(at[10.0]["z"]) - start == pytest.approx(0.30, abs=0.05)
+    assert float(at[10.0]["x"]) == pytest.approx(0.30, abs=0.05)
+    assert float(at[20.0]["z"]) < float(at[10.0]["z"]) and float(at[15.0]["z_dot"]) < 0.0
+    assert float(at[20.0]["x"]) > float(at[10.0]["x"])
+    assert float(at[15.0]["theta"]) > 0.0
+
+
+def test_the_papers_glide_is_driven_by_two_hundredths_of_a_newton(paper):
+    net = paper.data["net_buoyancy"]
+    before, after = net.sel(time=slice(0.0, 9.99)), net.sel(time=slice(10.0, 20.0))
+    np.testing.assert_allclose(before, -0.02, rtol=1e-9)
+    np.testing.assert_allclose(after, 0.02, rtol=1e-9)
+
+
+def test_counting_the_munk_moment_twice_would_change_the_glide(paper):
+    """With the stand-in's added mass the pitch at 10 s is about -36 deg; -21 deg with the Munk moment twice."""
+    pitch = []
+    for includes in (True, False):
+        design = load_preset("canete-dual-bellows")
+        vehicle = design.vehicle.model_copy(update={
+            "added_mass": design.vehicle.added_mass.model_copy(update={"enabled": True}),
+            "hydrodynamics": design.vehicle.hydrodynamics.model_copy(update={"includes_munk_moment": includes}),
+        })  # fmt: skip
+        run = simulate(design.model_copy(update={"vehicle": vehicle}))
+        pitch.append(np.rad2deg(float(run.data["theta"].sel(time=10.0, method="nearest"))))
+    assert pitch == pytest.approx([-36.0, -21.0], abs=2.0)
+
+
+def test_the_three_cell_glider_saws_down_and_up():
+    data = simulate(load_preset("three-cell-glider")).data
+    z = data["z"].values
+    assert z.max() - z[0] > 1.0
+    assert z[-1] < z.max() - 0.3 or np.diff(np.sign(data["z_dot"].values[1:])).any()
+    assert float(data["x"][-1]) > 5.0
+
+
+def test_a_fit_error_is_relative_to_the_range():
+    assert FitError("lift", 0.1, 0.5, 30.0, 2.0).relative == 0.25
+    assert FitError("lift", 0.0, 0.0, 0.0, 0.0).relative == 0.0
