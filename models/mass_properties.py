@@ -44,7 +44,8 @@ class MassBalance:
 
 def point_inertia(r: Array) -> Array:
     """Return the inertia of a unit point mass at r (3,) about the origin, (3, 3) m2."""
-    return np.asarray(np.dot(r, r) * np.eye(3) - np.outer(r, r), dtype=np.float64)
+    x, y, z = r
+    return np.array([[y * y + z * z, -x * y, -x * z], [-x * y, x * x + z * z, -y * z], [-x * z, -y * z, x * x + y * y]])
 
 
 def inertia_matrix(inertia: Inertia) -> Array:

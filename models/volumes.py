@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
@@ -52,12 +54,11 @@ def volume(component: Component, extension: float) -> float:
     if isinstance(component, Rigid):
         return component.volume
     law = volume_law(component)
-    row = law[np.clip(np.searchsorted(law[:, 0], extension, side="right") - 1, 0, len(law) - 1)]
+    row = law[max(int(np.searchsorted(law[:, 0], extension, side="right")) - 1, 0)]
     h = extension - row[0]
     return float(row[1] + h * (row[2] + h * (row[3] + h * row[4])))
 
 
 def unit_axis(component: Actuated) -> Array:
     """Return the component's axis scaled to length 1."""
-    axis = np.array(component.axis)
-    return np.asarray(axis / np.linalg.norm(axis), dtype=np.float64)
+    return np.asarray(np.array(component.axis) / math.hypot(*component.axis), dtype=np.float64)

@@ -7,6 +7,7 @@ Exit codes: 0 done; 1 the design is refused; 2 the command line is wrong; 3 a fi
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -44,6 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         if options.command == "serve":
+            # matrices here are 6x6 at most: threads of the linear algebra library would only spin
+            os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
             from studio.serve import serve
 
             return serve(host=options.host, port=options.port, data=options.data)

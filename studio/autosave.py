@@ -17,6 +17,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+from pydantic_core import to_json
+
 from models.design import Design, parse_design
 from models.problems import DesignError
 
@@ -129,8 +131,8 @@ class Autosave:
         # mkstemp makes the file readable by its owner alone
         descriptor, temporary = tempfile.mkstemp(dir=self._folder, prefix=f".{session.id}.")
         try:
-            with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
-                json.dump(content, stream)
+            with os.fdopen(descriptor, "wb") as stream:
+                stream.write(to_json(content))
             Path(temporary).replace(self._path(session.id))
         except BaseException:
             with contextlib.suppress(OSError):

@@ -102,7 +102,7 @@ def wing(span: float, chord: float, *, tip_chord: float, sweep: float, thickness
 
 def arrow() -> Mesh:
     """Return an arrow of unit length from the origin along +x."""
-    return revolve(*_sharp((0.0, 0.0), (0.0, 0.018), (0.8, 0.018), (0.8, 0.055), (1.0, 0.0)), sections=20)
+    return revolve(*_sharp((0.0, 0.0), (0.0, 0.03), (0.74, 0.03), (0.74, 0.075), (1.0, 0.0)), sections=20)
 
 
 def sphere(radius: float) -> Mesh:

@@ -18,6 +18,7 @@ from server.answers import json_answer
 from server.body import JsonBody, loads
 from server.errors import problem_response
 from studio.access import Admitted, SettingsNow
+from studio.polar import polar_document
 from studio.registry import OpenSession
 from studio.session import Change
 from studio.state import state_json
@@ -41,6 +42,14 @@ def get_state(opened: Admitted) -> Response:
     """Answer what the page draws."""
     content = state_json(opened.session, saved_at=opened.saved_at)
     return Response(content, media_type="application/json", headers={"Cache-Control": "no-store"})
+
+
+@router.get("/polar")
+def get_polar(opened: Admitted) -> Response:
+    """Answer the design's force data beside the law made from them."""
+    answer = json_answer(polar_document(opened.session.design.vehicle.hydrodynamics))
+    answer.headers["Cache-Control"] = "no-store"
+    return answer
 
 
 @router.get("/events")

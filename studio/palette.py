@@ -10,7 +10,8 @@ Rgb = tuple[int, int, int]
 
 CELLS = ("#f2b134", "#4fc3a1", "#7aa7ff", "#d98cc4", "#a3d468", "#ff9f7a", "#63d0e6", "#c6a5ff")
 RIGID = "#9fb3c8"
-BUOYANCY, LIFT, DRAG, WEIGHT = "#5bc8f5", "#b48ef0", "#ff9f5a", "#d8dee6"
+# cyan, yellow, vermilion: apart from each other and from the water for each kind of colour blindness
+BUOYANCY, LIFT, DRAG, WEIGHT = "#7fe7ff", "#ffe45c", "#ff7a59", "#d8dee6"
 CENTER_OF_MASS, CENTER_OF_BUOYANCY = "#ff6f81", "#5bc8f5"
 PATH = "#f3f7fb"
 WATER_TOP, WATER_BOTTOM = "#397fa5", "#0f2a45"

@@ -85,12 +85,14 @@ class GliderNodes:
         self.frame = scene.add_frame("/glider", show_axes=False)
         self._parts: list[PartNodes] = []
         self._length = 0.0
+        self._arrows: list[Any] = []
         self.centers: dict[str, Any] = {}
         for name, color in ARROWS.items():
             # a page that plays a run gives each its direction and length
             arrow = add_mesh(scene, f"/glider/arrow_{name}", meshes.arrow(), color)
             arrow.visible = False
             arrow.scale = SHORTEST_ARROW
+            self._arrows.append(arrow)
 
     def update(self, design: Design) -> None:
         """Draw this design's components, and its centres at the start."""
@@ -107,12 +109,18 @@ class GliderNodes:
         """Return the growing body of component `index`, or None."""
         return self._parts[index].stack if index < len(self._parts) else None
 
+    def _stand_aside(self, side: float) -> None:
+        """Let the force arrows begin to starboard, where the cameras stand: the hull would hide short ones."""
+        for arrow in self._arrows:
+            arrow.position = (0.0, side, 0.0)
+
     def _show_centers(self, design: Design) -> None:
         length = vehicle_length(design)
         if length != self._length:
             self._length = length
             # beside the hull, port and starboard: on the axis itself hull and wing would hide them
             side = half_width(design) + 0.012 * length
+            self._stand_aside(half_width(design) + 0.03 * length)
             ball = meshes.both_sides(meshes.sphere(0.012 * length), side)
             ring = meshes.both_sides(meshes.ring(0.022 * length, 0.0035 * length), side)
             self.centers["com"] = add_mesh(self._scene, "/glider/com", ball, palette.CENTER_OF_MASS)

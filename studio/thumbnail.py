@@ -19,8 +19,8 @@ from studio.meshes import Array
 from studio.palette import component_colors
 from studio.water import path_points
 
-WIDTH, HEIGHT = 480, 270
-GLIDER_BAND, PATH_BAND = (34.0, 128.0), (150.0, 246.0)
+WIDTH, HEIGHT = 480, 216
+GLIDER_BAND, PATH_BAND = (24.0, 96.0), (118.0, 192.0)
 MARGIN = 36.0
 
 

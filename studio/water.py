@@ -105,10 +105,11 @@ class WaterNodes:
 
     def _add_labels(self, depths: Array, begin: float, end: float, behind: float, step: float) -> None:
         # where the glider passes there should always be a label in sight
-        columns = max(1, min(round((end - begin) / (2.0 * step)), MAX_LABELS // max(len(depths), 1)))
+        columns = max(1, min(round((end - begin) / (4.0 * step)), MAX_LABELS // max(len(depths), 1)))
         places = np.linspace(begin, end, columns + 1)[:-1]
         for k, (x, z) in enumerate((x, z) for x in places for z in depths):
             # children of the grid: they leave the scene with it
             self._scene.add_label(
-                f"/world/grid/label{k}", f"{z:g} m", position=(float(x), behind, float(z)), font_screen_scale=0.8
-            )
+                f"/world/grid/label{k}", f"{z:g} m", position=(float(x), behind, float(z)), font_screen_scale=0.7,
+                anchor="bottom-left",
+            )  # fmt: skip
