@@ -1,4 +1,4 @@
-"""Add a third cell to the paper's glider, simulate both, and compare: `python -m examples.add_a_cell`."""
+"""Add a third cell to the paper's glider, simulate both, and compare: `python examples/add_a_cell.py`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Simulate the paper's glide and save it: `python -m examples.one_glide`."""
+"""Simulate the paper's glide and save it: `python examples/one_glide.py`."""
 
 from pathlib import Path
 

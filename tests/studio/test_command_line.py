@@ -1,0 +1,170 @@
+"""The command line: what it prints, what it writes, and its exit codes."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import socket
+import subprocess
+import sys
+import threading
+import time
+import urllib.request
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.presets import load_preset, preset_ids
+from models.run import Run
+from models.simulate import Control
+from studio import commands
+from studio.__main__ import DONE, MISUSED, REFUSED, STOPPED, UNUSABLE, main
+
+
+@pytest.fixture
+def design_file(tmp_path: Path) -> Path:
+    path = tmp_path / "glider.json"
+    path.write_text(load_preset("canete-dual-bellows").to_json())
+    return path
+
+
+def change(path: Path, **mission: object) -> Path:
+    document = json.loads(path.read_text())
+    document["mission"] |= mission
+    path.write_text(json.dumps(document))
+    return path
+
+
+def test_presets_are_listed_and_printed(capsys):
+    assert main(["presets"]) == DONE
+    listed = capsys.readouterr().out
+    assert [line.split()[0] for line in listed.splitlines()] == list(preset_ids())
+    assert main(["presets", "canete-dual-bellows"]) == DONE
+    assert capsys.readouterr().out == load_preset("canete-dual-bellows").to_json()
+
+
+def test_an_unknown_preset_names_those_that_exist(capsys):
+    assert main(["presets", "nessie"]) == REFUSED
+    assert "canete-dual-bellows" in capsys.readouterr().err
+
+
+def test_simulate_writes_netcdf_and_csv_of_the_same_run(design_file, tmp_path, capsys):
+    for suffix in ("nc", "csv"):
+        assert main(["simulate", str(design_file), "-o", str(tmp_path / f"run.{suffix}")]) == DONE
+    printed = capsys.readouterr().out
+    run = Run.from_netcdf(tmp_path / "run.nc")
+    assert f"depth {run.final['z']:.4f} m" in printed
+    rows = np.genfromtxt(tmp_path / "run.csv", delimiter=",", skip_header=1)
+    assert rows[-1, 2] == run.final["z"]
+    assert run.design == load_preset("canete-dual-bellows")
+
+
+def test_simulate_tells_events_and_what_left_the_data(design_file, capsys):
+    change(design_file, initial={"position": [0.0, 0.0, 0.0]})
+    assert main(["simulate", str(design_file)]) == DONE
+    printed = capsys.readouterr().out
+    assert "status      surface" in printed
+    assert re.search(r"event\s+the glider reached the surface at 1\d\.\d+ s", printed)
+    assert "slower than the data's 0.1 m/s" in printed
+
+
+def test_a_refused_design_is_one_line_with_its_pointer(design_file, capsys):
+    change(design_file, duration=-1)
+    for command in (["validate"], ["simulate"]):
+        assert main([*command, str(design_file)]) == REFUSED
+        told = capsys.readouterr().err
+        assert told.count("\n") == 1
+        assert told.startswith(f"{design_file}: /mission/duration: ")
+
+
+def test_files_that_cannot_be_used(tmp_path, design_file, capsys):
+    assert main(["validate", str(tmp_path / "none.json")]) == UNUSABLE
+    assert main(["simulate", str(design_file), "-o", str(tmp_path / "no" / "run.nc")]) == UNUSABLE
+    assert main(["simulate", str(design_file), "-o", str(tmp_path / "run.xlsx")]) == MISUSED
+    assert ".nc or .csv" in capsys.readouterr().err
+    broken = tmp_path / "broken.json"
+    broken.write_text('{"format": "glider-design", "version": NaN}')
+    assert main(["validate", str(broken)]) == REFUSED
+    assert "NaN is not JSON" in capsys.readouterr().err
+
+
+def test_a_run_that_stops_early_says_so(design_file, capsys):
+    document = json.loads(design_file.read_text())
+    document["mission"]["solver"] |= {"method": "rk4", "step": 2.0}
+    document["vehicle"]["damping"]["pitch"] = 1e3  # far beyond what a step of 2 s can follow
+    design_file.write_text(json.dumps(document))
+    assert main(["simulate", str(design_file)]) == STOPPED
+    assert "status      diverged" in capsys.readouterr().out
+
+
+def test_an_interrupt_stops_the_run_and_keeps_it(design_file, monkeypatch):
+    change(design_file, duration=600_000.0, solver={"method": "rk4", "step": 0.2, "output_interval": 100.0})
+    change(design_file, initial={"position": [0.0, 0.0, 9000.0]})
+    made: list[Control] = []
+    original = Control.__init__
+
+    def remember(self: Control) -> None:
+        original(self)
+        made.append(self)
+
+    monkeypatch.setattr(Control, "__init__", remember)
+    monkeypatch.setattr(commands, "PROGRESS_EVERY", 0.01)
+    stopper = threading.Thread(target=lambda: (wait_for(lambda: made and made[0].time_reached > 0.0), made[0].cancel()))
+    stopper.start()
+    assert main(["simulate", str(design_file)]) == STOPPED
+    stopper.join()
+
+
+def wait_for(condition, *, seconds: float = 30.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.001)
+
+
+def run_program(*arguments: str, **environment: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "studio", *arguments],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ | environment,
+    )  # fmt: skip
+
+
+def test_simulating_loads_neither_viser_nor_fastapi(design_file):
+    code = (
+        "import sys; from studio.__main__ import main; main(['simulate', sys.argv[1]]); "
+        "print({'viser', 'fastapi', 'uvicorn'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code, str(design_file)], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "set()"
+
+
+def test_serve_prints_an_address_that_answers_at_once(tmp_path):
+    program = run_program("serve", "--port", "0", "--data", str(tmp_path), PYTHONUNBUFFERED="1")
+    try:
+        assert program.stdout is not None
+        address = re.search(r"http://127\.0\.0\.1:\d+/", program.stdout.readline())
+        assert address
+        with urllib.request.urlopen(address.group(), timeout=30) as answer:
+            assert b"Glider studio" in answer.read()
+    finally:
+        program.terminate()
+        program.communicate(timeout=20)
+
+
+def test_a_taken_port_is_told_with_the_way_out(tmp_path):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        program = run_program("serve", "--port", str(taken.getsockname()[1]), "--data", str(tmp_path))
+        _, told = program.communicate(timeout=60)
+    assert program.returncode == UNUSABLE
+    assert "GLIDER_STUDIO_PORT" in told
+
+
+def test_another_address_demands_a_token(tmp_path):
+    program = run_program("serve", "--host", "0.0.0.0", "--port", "0", "--data", str(tmp_path))
+    _, told = program.communicate(timeout=60)
+    assert program.returncode == UNUSABLE
+    assert "GLIDER_STUDIO_TOKEN" in told
