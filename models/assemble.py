@@ -108,7 +108,8 @@ def _body(design: Design, lookup_scale: float) -> NDArray[np.void]:
         "reference_z": table.reference_point[2],
         "lookup_scale": lookup_scale,
     }  # fmt: skip
-    return np.array([tuple(float(values[name]) for name in BODY.names or ())], dtype=BODY)
+    body = np.array([tuple(float(values[name]) for name in BODY.names or ())], dtype=BODY)
+    return body.view(np.recarray)
 
 
 def _sliding(design: Design) -> set[str]:
@@ -142,7 +143,7 @@ def _parts(design: Design, parts: list[Actuated], laws: list[Array], commands: l
         record["command_start"], record["command_count"] = command_start, len(rows)
         law_start += len(law)
         command_start += len(rows)
-    return records
+    return records.view(np.recarray)
 
 
 def _schedule_of(design: Design, name: str) -> Schedule | None:

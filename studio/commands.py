@@ -87,7 +87,7 @@ def simulate(path: Path, output: Path | None) -> int:
 
 
 def _print_summary(run: Run) -> None:
-    final = run.final
+    final = {name: round(value, 6) + 0.0 for name, value in run.final.items()}  # no "-0.0000" at the surface
     print(f"design      {run.design.name}")
     print(f"status      {run.status.name}: {run.status.value}")
     for event in run.events:
