@@ -37,6 +37,7 @@ export async function call(method, url, body) {
 export const getPresets = () => call("GET", "api/v1/presets");
 export const createSession = (text) => call("POST", "sessions", text);
 export const getState = () => call("GET", "state");
+export const getPolar = () => call("GET", "polar");
 export const edit = (patch) => call("POST", "edit", { patch });
 export const undo = () => call("POST", "undo");
 export const redo = () => call("POST", "redo");

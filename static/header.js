@@ -15,7 +15,7 @@ function show({ state, busy }) {
   $("name").title = state.name;
   setText($("saved"), savedText(state));
   setText($("hydrodynamics"), state.hydrodynamics ?? "");
-  $("hydrodynamics").title = `Hydrodynamics: ${state.hydrodynamics}`;
+  $("hydrodynamics").title = `Hydrodynamics: ${state.hydrodynamics}. Show the data against the law`;
   setText($("solver"), state.solver ?? "");
   $("solver").title = `Solver: ${state.solver}`;
   $("undo").disabled = !state.can_undo;

@@ -6,6 +6,7 @@ import { $ } from "./dom.js";
 import { connectHeader } from "./header.js";
 import { connectNotices } from "./notices.js";
 import { connectOverlays } from "./overlays.js";
+import { connectPolar } from "./polar.js";
 import { connectReadouts } from "./readouts.js";
 import { largestForce, sceneAt, visibility } from "./scene.js";
 import { createActions, follow } from "./session.js";
@@ -68,8 +69,9 @@ store.watch(["view"], () => {
 clock.watch(showScene);
 
 connectHeader({ store, actions });
-connectNotices({ store, select: actions.select });
-connectOverlays({ store, setCamera: actions.camera });
+const polar = connectPolar({ store, clock });
+connectNotices({ store, select: actions.select, showForces: polar.open });
+connectOverlays({ store, clock, setCamera: actions.camera });
 connectReadouts({ store, clock });
 connectTransport(clock);
 const timeline = new Timeline({ store, clock, actions });

@@ -7,6 +7,8 @@ const COMPONENT = /^\/vehicle\/components\/(\d+)/;
 
 const POINT = /^\/mission\/control\/schedules\/(\d+)\/points\/(\d+)/;
 
+const FORCES = "/vehicle/hydrodynamics";
+
 const linkButton = (pointer, label, onclick) => el("button", { type: "button", class: "link", title: pointer, onclick }, label);
 
 function pointLink(pointer, state) {
@@ -17,11 +19,13 @@ function pointLink(pointer, state) {
   return linkButton(pointer, `Show ${schedule.cell}, point ${Number(k) + 1}`, () => document.querySelector(`[data-testid=${id}]`)?.focus());
 }
 
-// A pointer to a point leads to its lane, one into a component to its folder in the editor; any other is shown as it is.
-function pointerLink(state, select) {
+// A pointer to a point leads to its lane, one into a component to its folder in the editor, one into the force data
+// to their dialog; any other is shown as it is.
+function pointerLink(state, { select, showForces }) {
   return (pointer) => {
     const point = pointLink(pointer, state);
     if (point) return point;
+    if (pointer.startsWith(FORCES)) return linkButton(pointer, "Show the force data", showForces);
     const index = COMPONENT.exec(pointer)?.[1];
     const component = index === undefined ? null : state?.components[Number(index)];
     if (!component) return el("span", { class: "where" }, pointer);
@@ -32,7 +36,8 @@ function pointerLink(state, select) {
 
 function showWarnings(state, link) {
   const warnings = state.warnings ?? [];
-  $("warnings-title").hidden = warnings.length === 0;
+  $("warnings-panel").hidden = warnings.length === 0;
+  setText($("warnings-title"), warnings.length > 1 ? `Warnings · ${warnings.length}` : "Warnings");
   $("warnings").replaceChildren(...warnings.map(({ message, pointer }) =>
     el("div", { class: "box" }, el("p", {}, message), pointer ? link(pointer) : null)));
 }
@@ -60,9 +65,9 @@ function statusOf({ state, connected, over, busy, awaited }) {
   return busy || state.revision < awaited ? "simulating" : "ready";
 }
 
-export function connectNotices({ store, select }) {
+export function connectNotices({ store, select, showForces }) {
   store.watch(["state", "rejected"], ({ state, rejected }) => {
-    const link = pointerLink(state, select);
+    const link = pointerLink(state, { select, showForces });
     showProblem(rejected ?? state?.problem, state, link);
     if (state) showWarnings(state, link);
   });

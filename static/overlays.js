@@ -1,10 +1,22 @@
-// Buttons over the 3D view: where to look from, and what to show.
+// What lies over the 3D view: where to look from, what to show, and the forces in the colours of their arrows.
 
-import { $ } from "./dom.js";
+import { $, setText } from "./dom.js";
+import { fixed } from "./format.js";
+import { at, locate } from "./series.js";
 
 const TOGGLES = { "toggle-follow": "follow", "toggle-forces": "forces", "toggle-centers": "centers", "toggle-path": "path" };
 
-export function connectOverlays({ store, setCamera }) {
+const FORCES = ["net_buoyancy", "lift", "drag"];
+
+function showForces(store, clock) {
+  const run = store.get("state")?.run;
+  $("forces").hidden = !run || !store.get("view").forces;
+  if ($("forces").hidden) return;
+  const place = locate(run.columns.t, clock.t);
+  for (const key of FORCES) setText($(`force-${key}`), fixed(at(run.columns[key], place), 4));
+}
+
+export function connectOverlays({ store, clock, setCamera }) {
   const change = (part) => store.set({ view: { ...store.get("view"), ...part } });
   for (const [id, key] of Object.entries(TOGGLES)) {
     $(id).addEventListener("click", () => change({ [key]: !store.get("view")[key] }));
@@ -16,6 +28,8 @@ export function connectOverlays({ store, setCamera }) {
       setCamera(button.dataset.camera);
     });
   }
+  clock.watch(() => showForces(store, clock));
+  store.watch(["view", "state"], () => showForces(store, clock));
   store.watch(["view"], ({ view }) => {
     for (const [id, key] of Object.entries(TOGGLES)) $(id).setAttribute("aria-pressed", String(view[key]));
     for (const button of document.querySelectorAll("[data-camera]")) {

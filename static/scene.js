@@ -1,5 +1,5 @@
 // What the 3D scene should show at one moment, as wanted properties of the scene's nodes. Knows no viewer.
-// Frames: x forward, z down, theta nose-up; arrows point along their own +x with unit length.
+// Frames: x forward, y to starboard, z down, theta nose-up; arrows point along their own +x with unit length.
 
 import { angleAt, at, locate } from "./series.js";
 
@@ -28,10 +28,10 @@ export function forceDirections(theta, alpha) {
 
 function setArrow(wanted, name, force, [x, z], perNewton) {
   const sign = force < 0 ? -1 : 1;
-  wanted.set(`/glider/arrow_${name}`, {
-    wxyz: aboutY(Math.atan2(-z * sign, x * sign)),
-    scale: Math.max(Math.abs(force) * perNewton, SHORTEST),
-  });
+  const length = Math.max(Math.abs(force) * perNewton, SHORTEST);
+  // A small force keeps a thick shaft as long as its head still looks like one.
+  const width = Math.min(ARROW_LENGTH, 2 * length);
+  wanted.set(`/glider/arrow_${name}`, { wxyz: aboutY(Math.atan2(-z * sign, x * sign)), scale: [length, width, width] });
 }
 
 function setForces(wanted, columns, place, theta, largest) {
@@ -52,6 +52,20 @@ function setCells(wanted, run, components, place, exaggeration) {
   }
 }
 
+// A movable mass slides along its axis from where it is at its neutral extension, by its true travel.
+export function slidTo({ position, axis, extension_neutral: neutral }, extension) {
+  const share = (extension - neutral) / Math.hypot(...axis);
+  return position.map((p, k) => p + share * axis[k]);
+}
+
+function setMasses(wanted, run, components, place) {
+  for (const cell of run.cells) {
+    const component = components[cell.component];
+    if (component?.kind !== "movable_mass" || !component.axis) continue;
+    wanted.set(`/glider/part${cell.component}`, { position: slidTo(component, at(cell.extension, place)) });
+  }
+}
+
 export function sceneAt(state, t, { follow, exaggeration, largest }) {
   const wanted = new Map();
   const { run, components } = state;
@@ -62,6 +76,7 @@ export function sceneAt(state, t, { follow, exaggeration, largest }) {
   wanted.set("/world", { position: follow ? [-position[0], 0, -position[2]] : [0, 0, 0] });
   wanted.set("/glider", { position: follow ? [0, 0, 0] : position, wxyz: aboutY(theta) });
   setCells(wanted, run, components, place, exaggeration);
+  setMasses(wanted, run, components, place);
   setForces(wanted, c, place, theta, largest);
   if (c.com_x) wanted.set("/glider/com", { position: [at(c.com_x, place), 0, at(c.com_z, place)] });
   if (c.cob_x) wanted.set("/glider/cob", { position: [at(c.cob_x, place), 0, at(c.cob_z, place)] });

@@ -3,6 +3,8 @@
 
 const TOKENS = ["bg", "panel", "raised", "line", "ink", "dim", "faint", "accent"];
 
+const SOFTWARE = "webgl-software-rendering"; // a note that stays until clicked, over the glider
+
 const RULES = `
 :root[data-mantine-color-scheme] {
   --mantine-color-body: var(--panel);
@@ -21,7 +23,8 @@ const RULES = `
   --mantine-color-dark-7: var(--panel);
 }
 /* Clear of the page's buttons over the scene. */
-.mantine-Notifications-root { margin-top: 40px; }`;
+.mantine-Notifications-root { margin-top: 76px; }
+#${SOFTWARE} { display: none; }`;
 
 function tokens() {
   const style = getComputedStyle(document.documentElement);
@@ -41,12 +44,22 @@ function followScheme(root) {
   return set;
 }
 
+// Hidden at once by the rule above, and closed too, so that it keeps no place among other notes.
+function closeSoftwareNote(doc) {
+  const close = () => doc.querySelector(`#${SOFTWARE} button`)?.click();
+  close();
+  const seen = new doc.defaultView.MutationObserver(close);
+  seen.observe(doc.body, { childList: true, subtree: true });
+  doc.defaultView.setTimeout(() => seen.disconnect(), 10_000);
+}
+
 export function applySkin(doc) {
   try {
     const sheet = new doc.defaultView.CSSStyleSheet();
     const dress = () => sheet.replaceSync(tokens() + RULES);
     dress();
     doc.adoptedStyleSheets = [...doc.adoptedStyleSheets, sheet];
+    closeSoftwareNote(doc);
     const set = followScheme(doc.documentElement);
     light.addEventListener("change", () => {
       dress();

@@ -22,6 +22,7 @@ from studio.palette import component_colors, rgb
 
 SHORTEST_ARROW = 1e-4
 ARROWS = {"weight": palette.WEIGHT, "buoyancy": palette.BUOYANCY, "lift": palette.LIFT, "drag": palette.DRAG}
+"""The page's legend (static/tokens.css) names the forces in these colours too."""
 
 
 def pitch_quaternion(theta: float) -> tuple[float, float, float, float]:
@@ -109,10 +110,10 @@ class GliderNodes:
         """Return the growing body of component `index`, or None."""
         return self._parts[index].stack if index < len(self._parts) else None
 
-    def _stand_aside(self, side: float) -> None:
-        """Let the force arrows begin to starboard, where the cameras stand: the hull would hide short ones."""
+    def _stand_aside(self, side: float, above: float) -> None:
+        """Let the force arrows begin to starboard and above, where cameras stand: hull and wing would hide them."""
         for arrow in self._arrows:
-            arrow.position = (0.0, side, 0.0)
+            arrow.position = (0.0, side, -above)
 
     def _show_centers(self, design: Design) -> None:
         length = vehicle_length(design)
@@ -120,7 +121,7 @@ class GliderNodes:
             self._length = length
             # beside the hull, port and starboard: on the axis itself hull and wing would hide them
             side = half_width(design) + 0.012 * length
-            self._stand_aside(half_width(design) + 0.03 * length)
+            self._stand_aside(half_width(design) + 0.03 * length, 0.03 * length)
             ball = meshes.both_sides(meshes.sphere(0.012 * length), side)
             ring = meshes.both_sides(meshes.ring(0.022 * length, 0.0035 * length), side)
             self.centers["com"] = add_mesh(self._scene, "/glider/com", ball, palette.CENTER_OF_MASS)

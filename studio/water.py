@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 MAX_PATH_POINTS = 2000
 MAX_DEPTH_LINES = 24
-MAX_LABELS = 48
+MAX_LABELS = 112
 
 
 def nice_step(span: float, most: int) -> float:
@@ -92,7 +92,7 @@ class WaterNodes:
                 "/world/grid", lines, rgb(palette.DEPTH_LINE), thickness=1.0, thickness_units="screen"
             )
         ]
-        self._add_labels(depths, begin, end, behind, step)
+        self._add_labels(depths, begin, end, behind, 3.5 * length)
         far = ((begin - 40.0 * length, end + 40.0 * length), (behind - 40.0 * length, 40.0 * length))
         # seen from below only: from above it would veil what lies under it
         sheet = meshes.sheet(*far)
@@ -103,9 +103,9 @@ class WaterNodes:
             floor.position = (0.0, 0.0, bed)
             self._grid.append(floor)
 
-    def _add_labels(self, depths: Array, begin: float, end: float, behind: float, step: float) -> None:
+    def _add_labels(self, depths: Array, begin: float, end: float, behind: float, apart: float) -> None:
         # where the glider passes there should always be a label in sight
-        columns = max(1, min(round((end - begin) / (4.0 * step)), MAX_LABELS // max(len(depths), 1)))
+        columns = max(1, min(round((end - begin) / apart), MAX_LABELS // max(len(depths), 1)))
         places = np.linspace(begin, end, columns + 1)[:-1]
         for k, (x, z) in enumerate((x, z) for x in places for z in depths):
             # children of the grid: they leave the scene with it

@@ -1,0 +1,143 @@
+// The dialog "Force data and law": what the forces come from, how well the law fits them, and what they are not.
+
+import { getPolar } from "./api.js";
+import { $, el, setText } from "./dom.js";
+import { NONE, fixed, scientific, toDegrees } from "./format.js";
+import { prepare } from "./plots.js";
+import { PolarPlot, drawDot, drawMarker, lawAt, mirrored } from "./polarplot.js";
+import { angleAt, locate } from "./series.js";
+import { problemNodes } from "./problem.js";
+
+const NAMES = { lift: "Lift", drag: "Drag", moment: "Moment" };
+
+// Three significant digits.
+function short(value) {
+  if (!value || !Number.isFinite(value)) return fixed(value, 0);
+  const size = Math.floor(Math.log10(Math.abs(value)));
+  return size < -3 ? scientific(value, 2) : fixed(value, Math.max(2 - size, 0));
+}
+
+function legendKey(draw) {
+  const canvas = el("canvas", { "aria-hidden": "true" });
+  draw(prepare(canvas, 16, 14));
+  return canvas;
+}
+
+function legend({ data, chosen, law }, whole) {
+  const items = data.map(({ speed }, k) => [`${speed} m/s`, legendKey((c) => drawMarker(c, k, 8, 7))]);
+  if (!whole) items.push([`${chosen.what}: what the law is made from`, legendKey((c) => drawDot(c, 8, 7))]);
+  const rows = items.map(([text, key]) => el("span", {}, key, text));
+  rows.push(el("span", {}, el("i", { class: "key law" }), `law in use: ${law.what}`));
+  rows.push(el("span", {}, el("i", { class: "key now" }), "angle of attack now"));
+  if (whole) rows.push(el("span", {}, el("i", { class: "key measured" }), "angles measured; the rest by symmetry and reflection"));
+  return rows;
+}
+
+function errorRows({ errors, units }) {
+  return errors.map((e) => el("tr", {},
+    el("th", { scope: "row" }, NAMES[e.quantity], " ", el("small", {}, units[e.quantity])),
+    ...[short(e.rms), short(e.largest), e.largest > 0 ? `${fixed(e.largest_at_deg, 0)}°` : NONE, `${fixed(100 * e.relative, 2)} %`].map((text) => el("td", {}, text))));
+}
+
+function provenance({ provenance: { title, source, limits }, reference_density: density, reference_point: point }) {
+  const about = point.some((v) => v !== 0) ? `(${point.map((v) => fixed(v, 3)).join(", ")}) m` : "the body origin";
+  return [
+    el("p", {}, el("strong", {}, title)),
+    limits ? el("p", { class: "limits" }, el("b", {}, "What they are not. "), limits) : null,
+    el("p", {}, el("b", {}, "Source. "), source),
+    el("p", {}, el("b", {}, "Reference. "), `Taken at ${density} kg/m³, moments about ${about}. Nothing was measured outside 0 to 90°: lift and moment are odd in the angle, drag even; past 90° all three are reflected.`),
+  ].filter(Boolean);
+}
+
+export function connectPolar({ store, clock }) {
+  const dialog = $("polar");
+  const plots = Object.keys(NAMES).map((quantity) => new PolarPlot($(`polar-${quantity}`), quantity));
+  let shown = null;
+  let revision = null;
+  let pointed = null;
+
+  const whole = () => dialog.querySelector("[name=polar-range]:checked").value === "whole";
+
+  function angleNow() {
+    const run = store.get("state")?.run;
+    return run ? toDegrees(angleAt(run.columns.alpha, locate(run.columns.t, clock.t))) : null;
+  }
+
+  function showAngle() {
+    if (!dialog.open || !shown) return;
+    const angle = angleNow();
+    const read = pointed ?? angle;
+    for (const plot of plots) {
+      plot.showAngle(angle);
+      const { quantity } = plot;
+      setText($(`polar-${quantity}-value`), read === null ? "" : `${short(lawAt(shown.law, quantity, read))} at ${fixed(read, 1)}°`);
+    }
+    const folded = angle !== null && !whole() && mirrored(angle) !== angle;
+    setText($("polar-now"), angle === null ? "No glide yet"
+      : `At ${fixed(clock.t, 1)} s the angle of attack is ${fixed(angle, 1)}°${folded ? `, by symmetry drawn at ${fixed(mirrored(angle), 1)}°` : ""}`);
+  }
+
+  function draw() {
+    if (!dialog.open || !shown) return;
+    $("polar-legend").replaceChildren(...legend(shown, whole()));
+    for (const plot of plots) {
+      plot.setRange(shown, whole());
+      plot.draw();
+    }
+    showAngle();
+  }
+
+  function fill() {
+    $("polar-errors").replaceChildren(...errorRows(shown));
+    $("polar-provenance").replaceChildren(...provenance(shown));
+    draw();
+  }
+
+  async function load() {
+    const wanted = store.get("state")?.revision;
+    if (!dialog.open || wanted === undefined || wanted === revision) return;
+    revision = wanted;
+    try {
+      const answer = await getPolar();
+      if (revision !== wanted) return; // a later change was asked about meanwhile
+      shown = answer;
+      $("polar-problem").hidden = true;
+      fill();
+    } catch (error) {
+      revision = null; // asked for again at the next change, or when opened again
+      $("polar-problem").hidden = false;
+      $("polar-problem").replaceChildren(...problemNodes(error.problem ?? { title: error.message }));
+    }
+  }
+
+  function open() {
+    if (!dialog.open) dialog.showModal();
+    if (shown) fill();
+    load();
+  }
+
+  $("hydrodynamics").addEventListener("click", open);
+  $("polar-close").addEventListener("click", () => dialog.close());
+  // A click on the backdrop is a click on the dialog element itself, outside its box.
+  dialog.addEventListener("pointerdown", (event) => {
+    const box = dialog.getBoundingClientRect();
+    const inside = event.clientX >= box.left && event.clientX <= box.right && event.clientY >= box.top && event.clientY <= box.bottom;
+    if (event.target === dialog && !inside) dialog.close();
+  });
+  for (const radio of dialog.querySelectorAll("[name=polar-range]")) radio.addEventListener("change", draw);
+  for (const plot of plots) {
+    plot.canvas.addEventListener("pointermove", (event) => {
+      pointed = plot.angleUnder(event);
+      showAngle();
+    });
+    plot.canvas.addEventListener("pointerleave", () => {
+      pointed = null;
+      showAngle();
+    });
+  }
+  new ResizeObserver(draw).observe(dialog);
+  matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => dialog.open && shown && fill());
+  store.watch(["state"], load);
+  clock.watch(showAngle);
+  return { open };
+}
