@@ -50,6 +50,7 @@ warm: setup
 bench: setup-dev
 	$(BIN)/python -m benchmarks.planar
 	$(BIN)/python -m benchmarks.latency
+	$(BIN)/python -m benchmarks.startup
 
 docs: setup-dev
 	$(BIN)/python -m docs.make_paper

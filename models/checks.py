@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,10 +86,7 @@ def _control_problems(design: Design) -> Iterator[Problem]:
         pointer = pointer_to("mission", "control", "schedules", i)
         part = moving.get(schedule.cell)
         if part is None:
-            names = ", ".join(f"'{name}'" for name in moving) or "none"
-            yield Problem(
-                f"{pointer}/cell", f"no component that moves is named '{schedule.cell}'", hint=f"those are: {names}"
-            )
+            yield _unknown(f"{pointer}/cell", schedule.cell, moving)
             continue
         if schedule.cell in seen:
             yield Problem(f"{pointer}/cell", f"'{schedule.cell}' has a schedule already", limit=1, hint="merge the two")
@@ -98,12 +95,24 @@ def _control_problems(design: Design) -> Iterator[Problem]:
             if _outside(point.extension, part.stroke):
                 yield _stop_problem(f"{pointer}/points/{k}/extension", part.name, point.extension, part.stroke)
                 break
-    for name, extension in design.mission.initial.extensions.items():
-        pointer = pointer_to("mission", "initial", "extensions", name)
-        if name not in moving:
-            yield Problem(pointer, f"no component that moves is named '{name}'", hint="rename or remove the entry")
-        elif _outside(extension, moving[name].stroke):
-            yield _stop_problem(pointer, name, extension, moving[name].stroke)
+    yield from extension_problems(design, design.mission.initial.extensions, "/mission/initial/extensions")
+
+
+def extension_problems(design: Design, extensions: Mapping[str, float], pointer: str) -> Iterator[Problem]:
+    """Yield what is wrong with extensions (m, by name) that stand at `pointer`: unknown names, and stops passed."""
+    moving = {c.name: c for _, c in design.vehicle.actuated}
+    for name, extension in extensions.items():
+        at = pointer + pointer_to(name)
+        part = moving.get(name)
+        if part is None:
+            yield _unknown(at, name, moving)
+        elif _outside(extension, part.stroke):
+            yield _stop_problem(at, name, extension, part.stroke)
+
+
+def _unknown(pointer: str, name: str, moving: Iterable[str]) -> Problem:
+    names = ", ".join(f"'{known}'" for known in moving) or "none"
+    return Problem(pointer, f"no component that moves is named '{name}'", hint=f"those are: {names}")
 
 
 def _initial_problems(design: Design) -> Iterator[Problem]:
@@ -216,6 +225,13 @@ def warnings_for(design: Design) -> Iterator[Problem]:
     if any(abs(c.position[1]) > 0.0 for c in vehicle.components):
         yield Problem("/mission/solver/model", "the planar model ignores offsets to port and starboard")
     declared = vehicle.mass_properties.kind == "declared"
+    parts = math.fsum(c.mass for c in vehicle.components)
+    if declared and abs(parts - balance.mass) > 1e-3 * balance.mass:
+        yield Problem(
+            "/vehicle/mass_properties/mass",
+            f"declared are {1e3 * balance.mass:.4g} g, the parts weigh {1e3 * parts:.4g} g: only the declared counts",
+            limit=parts, hint="declare the sum, or use composite mass properties",
+        )  # fmt: skip
     if declared and any(c.kind == "movable_mass" for c in vehicle.components):
         yield Problem(
             "/vehicle/mass_properties", "declared mass properties are frozen: movable masses have no effect",

@@ -12,8 +12,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from models.fields import Coordinate, Description, Name, Positive, Vector3, quantity, text, vector
+from models.fields import Description, Name, Vector3, quantity, require_direction, text, vector
 from models.shapes import Shape
+
+SMALLEST_STROKE = 1e-9
+"""Finest difference of extensions that means anything, m."""
+SMALLEST_LAG = 1e-4
+"""Shortest lag that is told from none, s."""
 
 Extension = Annotated[float, Field(strict=True, ge=-100.0, le=100.0)]
 Volume = Annotated[float, Field(strict=True, ge=0.0, le=1e4)]
@@ -66,8 +71,9 @@ class _Actuated(_Component):
 
     @model_validator(mode="after")
     def _axis_has_direction(self) -> Self:
-        if math.hypot(*self.axis) < 1e-9:
-            raise ValueError("axis has no direction: its length is 0; give a vector such as [1, 0, 0]")
+        require_direction(self.axis)
+        if 0.0 < self.lag < SMALLEST_LAG:
+            raise ValueError(f"lag {self.lag:g} s is below {SMALLEST_LAG:g} s: give 0 for none")
         return self
 
     @property
@@ -92,8 +98,11 @@ class _Stroked(_Actuated):
     @model_validator(mode="after")
     def _neutral_within_stops(self) -> Self:
         low, high = self.extension_range
-        if not low < high:
-            raise ValueError(f"extension_range [{low}, {high}] m is empty: the first stop must lie below the second")
+        if not high - low >= SMALLEST_STROKE:
+            raise ValueError(
+                f"extension_range [{low}, {high}] m is empty: the first stop must lie below the second, "
+                f"by {SMALLEST_STROKE:g} m at least"
+            )
         if not low <= self.neutral_extension <= high:
             raise ValueError(f"neutral_extension {self.neutral_extension} m lies outside the stops [{low}, {high}] m")
         return self
@@ -163,7 +172,7 @@ class Piston(_Actuated):
     volume_range: tuple[Volume, Volume] = vector(
         "Smallest and largest displaced volume.", unit="m3", symbol="V_min, V_max"
     )
-    area: float = quantity("Area of the piston.", unit="m2", symbol="A", gt=0.0, le=1e3, default=1e-3)
+    area: float = quantity("Area of the piston.", unit="m2", symbol="A", ge=1e-9, le=1e3, default=1e-3)
 
     @model_validator(mode="after")
     def _volume_within_range(self) -> Self:
@@ -172,6 +181,11 @@ class Piston(_Actuated):
             raise ValueError(f"volume_range [{low}, {high}] m3 is empty: the first must lie below the second")
         if not low <= self.volume <= high:
             raise ValueError(f"volume {self.volume} m3 lies outside volume_range [{low}, {high}] m3")
+        if not (high - low) / self.area >= SMALLEST_STROKE:
+            raise ValueError(
+                f"volume_range [{low}, {high}] m3 over area {self.area} m2 is a stroke below {SMALLEST_STROKE:g} m: "
+                "widen the range or narrow the piston"
+            )
         return self
 
     @property
@@ -207,6 +221,8 @@ class Bladder(_Actuated):
             for k, (a, b) in enumerate(pairwise(column)):
                 if not a < b:
                     raise ValueError(f"{label} must rise: entry {k + 1} is {b}, not above entry {k}, {a}")
+                if label == "extensions" and b - a < SMALLEST_STROKE:
+                    raise ValueError(f"extensions must rise by {SMALLEST_STROKE:g} m at least: entry {k + 1} is {b}")
         low, high = self.stroke
         if not low <= self.neutral_extension <= high:
             raise ValueError(f"neutral_extension {self.neutral_extension} m lies outside the table [{low}, {high}] m")
@@ -232,8 +248,3 @@ class MovableMass(_Stroked):
 Cell = Bellows | Piston | Bladder
 Actuated = Cell | MovableMass
 Component = Annotated[Rigid | Bellows | Piston | Bladder | MovableMass, Field(discriminator="kind")]
-
-__all__ = [
-    "Actuated", "Bellows", "Bladder", "Cell", "Component", "Coordinate", "Inertia", "MovableMass", "Piston",
-    "Positive", "Rigid",
-]  # fmt: skip

@@ -71,7 +71,7 @@ class Design(Description):
 
     format: Literal["glider-design"] = text("Says that this is a design document.")
     version: Literal[1] = text("Version of the document's format.")
-    name: str = text("Name of the design.", min_length=1, max_length=200)
+    name: str = text("Name of the design.", min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")
     notes: str = text("What it is, where its numbers come from, and what it is not.", default="", max_length=20_000)
     vehicle: Vehicle = text("The glider.")
     mission: Mission = text("The glide.")
@@ -110,6 +110,8 @@ def _check_header(document: dict[str, Any]) -> None:
             [Problem("/format", f"this is not a glider design: format is {document.get('format')!r}", limit=FORMAT)]
         )
     version = document.get("version")
+    if isinstance(version, bool):
+        raise DesignError([Problem("/version", "the version is a number, not true or false", limit=VERSION)])
     if type(version) is int and version > VERSION:
         raise DesignError(
             [

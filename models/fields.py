@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -38,5 +39,12 @@ Coordinate = Annotated[float, Field(strict=True, ge=-LENGTH_LIMIT, le=LENGTH_LIM
 Vector3 = tuple[Coordinate, Coordinate, Coordinate]
 Rate = Annotated[float, Field(strict=True, ge=-1e3, le=1e3)]
 Rate3 = tuple[Rate, Rate, Rate]
-Positive = Annotated[float, Field(strict=True, gt=0.0, le=1e6)]
-Name = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[^\x00-\x1f/]+$")]
+Name = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[^\x00-\x20\x7f/][^\x00-\x1f\x7f/]*$")]
+"""A name that fits in a pointer, a file and a label: it starts with a visible character and has no slash or control."""
+SHORTEST_AXIS = 1e-9
+
+
+def require_direction(axis: tuple[float, float, float]) -> None:
+    """Raise `ValueError` where a vector that gives a direction has none."""
+    if math.hypot(*axis) < SHORTEST_AXIS:
+        raise ValueError("axis has no direction: its length is 0; give a vector such as [1, 0, 0]")

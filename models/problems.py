@@ -11,6 +11,8 @@ from typing import Any
 from pydantic import ValidationError
 
 LONGEST_ECHO = 60
+UNION_ERRORS = {"union_tag_invalid", "union_tag_not_found"}
+TOLD_WHOLE = {"missing", "value_error", "extra_forbidden", "too_short", "too_long"}
 BOUNDS = ("ge", "gt", "le", "lt", "min_length", "max_length", "multiple_of", "pattern", "expected")
 
 
@@ -74,6 +76,8 @@ def _path(location: Sequence[int | str], document: Any) -> list[int | str]:
             node = node[token]
         elif isinstance(node, list | tuple) and isinstance(token, int) and token < len(node):
             node = node[token]
+        elif last and isinstance(node, list | tuple) and isinstance(token, int):
+            pass  # the entry that is missing
         elif not (last and isinstance(node, dict)) or token in (node.get("kind"), "[key]"):
             continue
         path.append(token)
@@ -95,8 +99,10 @@ def _hint(kind: str, context: dict[str, Any]) -> str | None:
         return "remove it or check its spelling"
     if kind == "missing":
         return "add this field"
-    if kind in {"union_tag_invalid", "union_tag_not_found"}:
+    if kind in UNION_ERRORS:
         return f"use one of {context.get('expected_tags', 'the kinds in the schema')}"
+    if kind == "string_pattern_mismatch":
+        return "start with a visible character; leave out slashes and control characters"
     if kind in {"finite_number", "float_type", "int_type"}:
         return "give a finite number"
     return None
@@ -108,8 +114,13 @@ def problems_from_validation(error: ValidationError, document: Any) -> list[Prob
     for item in error.errors(include_url=False):
         context = item.get("ctx", {})
         message = item["msg"].removeprefix("Value error, ")
-        if item["type"] not in {"missing", "value_error", "extra_forbidden"}:
+        path = _path(item["loc"], document)
+        if item["type"] in UNION_ERRORS:
+            given = item["input"].get("kind") if isinstance(item["input"], dict) else item["input"]
+            message = "the kind is missing" if given is None else f"there is no kind {echo(given)}"
+            path.append("kind")
+        elif item["type"] not in TOLD_WHOLE:
             message = f"{message}, not {echo(item['input'])}"
-        pointer = pointer_to(*_path(item["loc"], document))
+        pointer = pointer_to(*path)
         problems.append(Problem(pointer, message, _limit(context), _hint(item["type"], context)))
     return problems

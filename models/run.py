@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
@@ -27,9 +28,12 @@ class Status(Enum):
     completed = "The mission ran to its end."
     surface = "The glider reached the surface, where the run ends; start deeper or make it heavier to go on."
     bed = "The glider reached the bed, where the run ends; make it lighter or give a deeper bed to go on."
-    diverged = "The state stopped being finite; use a smaller step, or the adaptive method."
+    diverged = "The motion ran away; with RK4 use a smaller step, else look for extreme masses, forces or damping."
     step_too_small = "The step became too small for the tolerance; raise the tolerance, or look for extreme values."
-    too_many_steps = "The limit of steps was reached; shorten the mission, raise the tolerance, or use a larger step."
+    too_many_steps = (
+        "The limit of steps was reached; shorten the mission, raise the tolerance (adaptive) or the step (RK4), or "
+        "look for huge damping or tiny masses, which force small steps."
+    )
     cancelled = "The run was cancelled; what was computed is kept."
 
 
@@ -88,6 +92,14 @@ def _attributes(unit: str, meaning: str) -> dict[str, str]:
     return {"units": unit, "long_name": meaning}
 
 
+def _on_axes(times: Array, cells: Sequence[str], variables: dict[str, Any]) -> xr.Dataset:
+    coordinates = {
+        "time": ("time", times, _attributes("s", "time since the start of the mission")),
+        "cell": ("cell", np.array(cells, dtype=object)),
+    }
+    return xr.Dataset(variables, coordinates)
+
+
 @dataclass(frozen=True)
 class Run:
     """One simulated glide.
@@ -114,11 +126,7 @@ class Run:
         }
         for name, about in CELL_VARIABLES.items():
             variables[name] = (("time", "cell"), self.cell_values[name], _attributes(*about))
-        coordinates = {
-            "time": ("time", self.times, _attributes("s", "time since the start of the mission")),
-            "cell": ("cell", np.array(self.cells, dtype=object)),
-        }
-        return xr.Dataset(variables, coordinates)
+        return _on_axes(self.times, self.cells, variables)
 
     def select(self, samples: NDArray[np.intp]) -> Run:
         """Return the run with only some of its samples, by index."""
@@ -136,10 +144,15 @@ class Run:
 
     @property
     def energy_exchanged(self) -> float:
-        """Largest magnitude of any energy or work in the balance, J: what the residual is compared with."""
-        potential = self.values["potential_energy"]
-        parts = [self.values[name] for name in ("kinetic_energy", "actuator_work", "water_work")]
-        return max(float(np.abs(part).max()) for part in (*parts, potential - potential[0]))
+        """What the residual is compared with, J.
+
+        The largest kinetic energy, work of the water, or work that weight and buoyancy have done: none depends on where
+        depth is counted from. The actuators' work against pressure does, and is left out.
+        """
+        potential, actuators = self.values["potential_energy"], self.values["actuator_work"]
+        released = (potential - potential[0]) - (actuators - actuators[0])
+        parts = (self.values["kinetic_energy"], self.values["water_work"], released)
+        return float(np.max([np.abs(part).max() for part in parts]))
 
     @property
     def largest_residual(self) -> float:
@@ -148,9 +161,9 @@ class Run:
 
     @property
     def relative_residual(self) -> float:
-        """Largest energy residual as a share of the energy exchanged (0 where nothing moved)."""
+        """Largest energy residual as a share of the energy exchanged (0 where nothing moved, NaN where one is)."""
         exchanged = self.energy_exchanged
-        return self.largest_residual / exchanged if exchanged > 0.0 else 0.0
+        return 0.0 if exchanged == 0.0 else self.largest_residual / exchanged
 
     def to_netcdf(self, path: Path | None = None) -> bytes:
         """Return the run as NetCDF 4, and write it to `path` where one is given."""
@@ -175,8 +188,13 @@ class Run:
     @classmethod
     def from_netcdf(cls, path: Path) -> Run:
         """Read a run that `to_netcdf` wrote; raises `ValueError` where the file is not one."""
-        with xr.open_dataset(path, engine="h5netcdf") as stored:
-            data = stored.load()
+        try:
+            with xr.open_dataset(path, engine="h5netcdf") as stored:
+                data = stored.load()
+        except FileNotFoundError:
+            raise
+        except OSError as error:
+            raise ValueError(f"{path} is not a NetCDF 4 file: {error}") from None
         a = data.attrs
         missing = {"design", "status", "events", "statistics", "kernel"} - set(a)
         if missing:
@@ -204,6 +222,26 @@ class Run:
         if path is not None:
             path.write_text(content)
         return content
+
+    @staticmethod
+    def read_csv(path: Path) -> xr.Dataset:
+        """Read what `to_csv` wrote, on the axes of `data`; raises `ValueError` where the file is not one."""
+        rows = list(csv.reader(path.read_text().splitlines()))
+        if not rows or rows[0][:1] != ["t [s]"]:
+            raise ValueError(f"{path} is not a run of the glider studio: its first column is not 't [s]'")
+        table = np.array(rows[1:], dtype=np.float64).reshape(-1, len(rows[0]))
+        columns = dict(zip(rows[0], table.T, strict=True))
+        first, unit = next(iter(CELL_VARIABLES.items()))
+        begin, end = f"{first} of ", f" [{unit[0]}]"
+        cells = [name[len(begin) : -len(end)] for name in rows[0] if name.startswith(begin)]
+        variables: dict[str, Any] = {
+            name: ("time", columns[f"{name} [{about[0]}]"], _attributes(*about)) for name, about in VARIABLES.items()
+        }
+        for name, about in CELL_VARIABLES.items():
+            stacked = [columns[f"{name} of {cell} [{about[0]}]"] for cell in cells]
+            values = np.column_stack(stacked) if stacked else np.zeros((len(table), 0))
+            variables[name] = (("time", "cell"), values, _attributes(*about))
+        return _on_axes(columns["t [s]"], cells, variables)
 
     def _flat_columns(self) -> tuple[list[Any], list[str]]:
         columns, header = [self.times], ["t [s]"]

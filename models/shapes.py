@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from models.fields import Description, Vector3, quantity, text, vector
+from models.fields import Description, Vector3, quantity, require_direction, text, vector
 
 
 class _Placed(Description):
@@ -33,6 +33,11 @@ class CylinderShape(_Placed):
     length: float = quantity("Length along the axis.", unit="m", symbol="L", gt=0.0, le=100.0)
     radius: float = quantity("Radius.", unit="m", symbol="r", gt=0.0, le=50.0)
     axis: Vector3 = vector("Direction of the axis in body axes.", unit="1", symbol="a", default=(1.0, 0.0, 0.0))
+
+    @model_validator(mode="after")
+    def _axis_has_direction(self) -> Self:
+        require_direction(self.axis)
+        return self
 
 
 class WingShape(_Placed):

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from models.assemble import assemble
-from models.data_range import outside_data
 from models.design import Design
 from models.kernel.params import EXTENSIONS
 from models.limits import Limits
 from models.problems import DesignError, Problem, pointer_to
 from models.run import CELL_VARIABLES, VARIABLES, Run, Status
+from models.run_warnings import run_warnings
 from models.simulate import Control, run_assembly
 from models.warm import kernel_is_ready, warm_kernel
 from server.decimation import choose_samples
@@ -74,7 +74,7 @@ def run_preview(design: Design, settings: Settings, control: Control) -> Preview
             f"The preview was stopped after {settings.preview_seconds:g} s of computing, at t = "
             f"{control.time_reached:.6g} s; what was computed is kept. Shorten the mission or raise the tolerance."
         )
-    return PreviewRun(run, message, (*assembly.warnings, *outside_data(run)))
+    return PreviewRun(run, message, (*assembly.warnings, *run_warnings(run)))
 
 
 def check_columns(columns: Sequence[str] | None) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from models.mass_properties import (
     initial_extensions,
     mass_balance,
 )
-from models.problems import Problem, pointer_to
+from models.problems import Problem
 from models.volumes import volume
 from server.schemas import ComponentMass, ErrorItem, MassProperties
 
@@ -48,21 +48,3 @@ def weigh(design: Design, extensions: Mapping[str, float] | None = None) -> Mass
 def as_items(problems: Iterable[Problem]) -> list[ErrorItem]:
     """Return problems (or warnings) as they go on the wire."""
     return [ErrorItem(**problem.as_dict()) for problem in problems]
-
-
-def extension_problems(design: Design, extensions: Mapping[str, float], pointer: str) -> list[Problem]:
-    """Return what is wrong with extensions (m, by name) that were sent at `pointer`: names and stops."""
-    moving = {component.name: component for _, component in design.vehicle.actuated}
-    problems = []
-    for name, extension in extensions.items():
-        at = pointer + pointer_to(name)
-        if name not in moving:
-            names = ", ".join(f"'{known}'" for known in moving) or "none"
-            problems.append(Problem(at, f"no component that moves is named '{name}'", hint=f"those are: {names}"))
-            continue
-        low, high = moving[name].stroke
-        slack = 1e-9 * (high - low)
-        if not low - slack <= extension <= high + slack:
-            message = f"extension {extension:g} m of '{name}' lies outside its stops [{low:g}, {high:g}] m"
-            problems.append(Problem(at, message, low if extension < low else high, "stay within the stops"))
-    return problems

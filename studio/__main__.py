@@ -1,8 +1,4 @@
-"""Owns the command line and the start of everything: the API, the studio on it, one port. Subcommands import lazily.
-
-Exit codes: 0 done; 1 the design is refused; 2 the command line is wrong; 3 a file or the port cannot be used;
-4 the run stopped early (diverged, too many steps, cancelled): what it computed is kept.
-"""
+"""Owns the command line and the start of everything: the API, the studio on it, one port. Subcommands import lazily."""
 
 from __future__ import annotations
 
@@ -12,30 +8,26 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-DONE, REFUSED, MISUSED, UNUSABLE, STOPPED = range(5)
-EXIT_CODES = (
-    "exit codes: 0 done; 1 the design is refused; 2 the command line is wrong; 3 a file or the port cannot be used; "
-    "4 the run stopped early, what it computed is kept"
-)
+from studio.exit_codes import DONE, MEANING, STOPPED
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="glider-studio",
         description="A design studio for underwater gliders with buoyancy cells.",
-        epilog=EXIT_CODES,
+        epilog=MEANING,
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    serve = commands.add_parser("serve", help="start the studio and the REST API on one port", epilog=EXIT_CODES)
+    serve = commands.add_parser("serve", help="start the studio and the REST API on one port", epilog=MEANING)
     serve.add_argument("--host", help="address to listen on (GLIDER_STUDIO_HOST, 127.0.0.1)")
     serve.add_argument("--port", type=int, help="port to listen on (GLIDER_STUDIO_PORT, 8000); 0 takes a free one")
     serve.add_argument("--data", type=Path, help="folder for the studio's data (GLIDER_STUDIO_DATA)")
-    simulate = commands.add_parser("simulate", help="simulate a design and write its run", epilog=EXIT_CODES)
+    simulate = commands.add_parser("simulate", help="simulate a design and write its run", epilog=MEANING)
     simulate.add_argument("design", type=Path, help="design file, or - for standard input")
     simulate.add_argument("-o", "--output", type=Path, help="result file: .nc (NetCDF) or .csv")
-    validate = commands.add_parser("validate", help="check a design", epilog=EXIT_CODES)
+    validate = commands.add_parser("validate", help="check a design", epilog=MEANING)
     validate.add_argument("design", type=Path, help="design file, or - for standard input")
-    presets = commands.add_parser("presets", help="list the presets, or print one as JSON", epilog=EXIT_CODES)
+    presets = commands.add_parser("presets", help="list the presets, or print one as JSON", epilog=MEANING)
     presets.add_argument("preset", nargs="?", help="print this preset's design document")
     return parser
 

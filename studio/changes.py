@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from models.components import Bellows, Bladder, Component, Piston, Rigid
-from models.design import Design
+from models.design import DeclaredMass, Design
 from models.problems import DesignError, Problem, pointer_to
 from models.volumes import volume
 from studio.bodies import drawn_extent
@@ -26,7 +26,7 @@ NAMES = {
     "rigid": "Part",
 }
 _components: TypeAdapter[Component] = TypeAdapter(Component)
-COMPONENT = re.compile(r"/vehicle/components/(\d+)(/name)?")
+COMPONENT = re.compile(r"/vehicle/components/(0|[1-9][0-9]{0,5})(/name)?")
 
 
 def _new_component(kind: str) -> dict[str, Any]:
@@ -86,7 +86,18 @@ def added(design: Design, kind: str) -> Patch:
     if isinstance(part, Bellows | Piston | Bladder):
         density = design.mission.environment.water.density
         component["mass"] = float(f"{density * volume(part, part.neutral):.4g}")
-    return [{"op": "add", "path": "/vehicle/components/-", "value": component}]
+    return [
+        {"op": "add", "path": "/vehicle/components/-", "value": component},
+        *declared_more(design, component["mass"]),
+    ]
+
+
+def declared_more(design: Design, mass: float) -> Patch:
+    """Return the patch that adds to the declared mass, where mass is declared: a part that counts must weigh too."""
+    declared = design.vehicle.mass_properties
+    if not isinstance(declared, DeclaredMass):
+        return []
+    return [{"op": "replace", "path": "/vehicle/mass_properties/mass", "value": declared.mass + mass}]
 
 
 def duplicated(design: Design, index: int) -> Patch:
@@ -102,7 +113,7 @@ def duplicated(design: Design, index: int) -> Patch:
         document["center_of_mass"] = [gx + shift, gy, gz]
     if isinstance(original, Rigid):
         document["color"] = original.color
-    return [{"op": "add", "path": "/vehicle/components/-", "value": document}]
+    return [{"op": "add", "path": "/vehicle/components/-", "value": document}, *declared_more(design, original.mass)]
 
 
 def component_at(design: Design, index: int) -> Component:

@@ -8,13 +8,13 @@ import threading
 from pathlib import Path
 
 from models.assemble import assemble
-from models.data_range import outside_data
 from models.design import Design, loads_design
 from models.presets import load_preset, preset_ids
 from models.problems import DesignError, Problem
 from models.run import Run, Status
+from models.run_warnings import run_warnings
+from studio.exit_codes import DONE, MISUSED, REFUSED, STOPPED, UNUSABLE
 
-DONE, REFUSED, MISUSED, UNUSABLE, STOPPED = range(5)
 WRITERS = {".nc": Run.to_netcdf, ".csv": Run.to_csv}
 PROGRESS_EVERY = 0.5
 
@@ -96,10 +96,10 @@ def _print_summary(run: Run) -> None:
         f"end         t {final['t']:.3f} s, x {final['x']:.4f} m, depth {final['z']:.4f} m, "
         f"pitch {math.degrees(final['theta']):.2f} deg"
     )
-    for warning in outside_data(run):
+    for warning in run_warnings(run):
         print(f"warning     {warning.message}")
     print(f"residual    {run.relative_residual:.1e} of {run.energy_exchanged:.4g} J exchanged")
-    print(f"steps       {run.statistics['steps']} in {1e3 * run.statistics['elapsed']:.1f} ms")
+    print(f"steps       {run.statistics['steps']}")
 
 
 def validate(path: Path) -> int:

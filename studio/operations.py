@@ -130,7 +130,7 @@ def trim_ballast(opened: Admitted) -> Response:
 def set_camera(opened: Admitted, document: Document) -> None:
     """Look from the side, the top, behind, or freely."""
     view = _member(document, "view")
-    if view not in CAMERAS:
+    if not isinstance(view, str) or view not in CAMERAS:
         raise DesignError([Problem("/view", f"there is no view '{view}'", hint=f"use one of {', '.join(CAMERAS)}")])
     opened.view().camera(view)
 

@@ -16,14 +16,13 @@ from pydantic import ValidationError
 from models.warm import kernel_is_ready, warm_kernel
 from server.app import create_app
 from server.settings import Settings
+from studio.exit_codes import DONE, UNUSABLE
 from studio.web import create_studio, running
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from fastapi import FastAPI
-
-DONE, UNUSABLE = 0, 3
 
 
 def make_app(settings: Settings) -> FastAPI:

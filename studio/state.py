@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from pydantic_core import to_json
 
 from models.components import Actuated, Rigid
-from models.data_range import outside_data
 from models.design import Design
 from models.mass_properties import initial_extensions, mass_balance
 from models.problems import Problem
 from models.run import VARIABLES, Run
+from models.run_warnings import run_warnings
 from models.schedule import Schedule
 from server.decimation import choose_samples
 from studio.bodies import drawn_length
@@ -62,7 +62,7 @@ def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:
 
 
 def _warnings(session: Session, run: Run | None) -> list[Problem]:
-    return [*session.assembly.warnings, *(() if run is None else outside_data(run))]
+    return [*session.assembly.warnings, *(() if run is None else run_warnings(run))]
 
 
 def problem_document(problems: tuple[Problem, ...]) -> dict[str, Any] | None:

@@ -41,17 +41,24 @@ class View:
         self.session = session
         self._lock = threading.RLock()
         self.server: GuardedServer = make_server()
-        with self.server.atomic():
-            self._prepare_scene()
-            self.glider = GliderNodes(self.server.scene, self._select)
-            self.water = WaterNodes(self.server.scene)
-            self.gizmo = Gizmo(self.server.scene, self._move_selected)
-            self.form = Form(self.server.gui, session)
-            self._drawn: Design | None = None
-            self._drawn_run: Run | None = None
-            self._look("side")
-            self._redraw()
+        self._drawn: Design | None = None
+        self._drawn_run: Run | None = None
+        try:
+            with self.server.atomic():
+                self._build()
+        except BaseException:
+            self.server.stop()  # a design that cannot be drawn must not leave a server behind at each try
+            raise
         self._unsubscribe = session.subscribe(self._changed)
+
+    def _build(self) -> None:
+        self._prepare_scene()
+        self.glider = GliderNodes(self.server.scene, self._select)
+        self.water = WaterNodes(self.server.scene)
+        self.gizmo = Gizmo(self.server.scene, self._move_selected)
+        self.form = Form(self.server.gui, self.session)
+        self._look("side")
+        self._redraw()
 
     def close(self) -> None:
         """Stop following the session, and stop the server."""

@@ -86,13 +86,14 @@ class WaterNodes:
         behind = -2.5 * length
         first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
         depths = step * np.arange(first, last + 1, dtype=np.float64)
-        lines = np.array([[(begin, behind, z), (end, behind, z)] for z in depths], dtype=np.float32).reshape(-1, 2, 3)
+        # in the plane of the glide: behind it, perspective would put the glider at another line than its own
+        lines = np.array([[(begin, 0.0, z), (end, 0.0, z)] for z in depths], dtype=np.float32).reshape(-1, 2, 3)
         self._grid = [
             self._scene.add_line_segments(
                 "/world/grid", lines, rgb(palette.DEPTH_LINE), thickness=1.0, thickness_units="screen"
             )
         ]
-        self._add_labels(depths, begin, end, behind, 3.5 * length)
+        self._add_labels(depths, begin, end, 0.0, 3.5 * length)
         far = ((begin - 40.0 * length, end + 40.0 * length), (behind - 40.0 * length, 40.0 * length))
         # seen from below only: from above it would veil what lies under it
         sheet = meshes.sheet(*far)

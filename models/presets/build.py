@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from importlib.resources import files
@@ -11,7 +10,9 @@ from typing import Any
 
 from models.components import Bellows
 from models.design import Design, parse_design
+from models.hydrodynamics import Provenance
 from models.mass_properties import trim_ballast
+from models.polar_csv import read_polar_csv
 
 DATA = files("models").joinpath("data")
 
@@ -43,17 +44,12 @@ THREE_CELL_NOTE = prose(f"""
 """)
 
 
-def read_polar_csv(name: str) -> dict[str, list[float]]:
-    """Read a table of forces with the columns speed, alpha_deg, lift, drag, moment as the fields of a `PolarTable`."""
-    rows = list(csv.DictReader(DATA.joinpath(name).read_text().splitlines()))
-    columns = ("speed", "alpha_deg", "lift", "drag", "moment")
-    return {f"row_{column}": [float(row[column]) for row in rows] for column in columns}
-
-
 def standin_hydrodynamics() -> dict[str, Any]:
     """Return the stand-in hull's table with its provenance."""
     about = json.loads(DATA.joinpath("standin_kepsilon.json").read_text())
-    return {"kind": "polar_table", "provenance": about["provenance"], **read_polar_csv("standin_kepsilon.csv")}
+    provenance = Provenance.model_validate(about["provenance"])
+    table = read_polar_csv(DATA.joinpath("standin_kepsilon.csv"), provenance=provenance)
+    return table.model_dump(mode="json")
 
 
 def standin_added_mass(*, enabled: bool) -> dict[str, Any]:

@@ -53,7 +53,7 @@ class Program:
         return f"http://127.0.0.1:{self.port}"
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")  # playwright holds an event loop: it must end with these tests
 def program(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Program]:
     warm_kernel()
     running = Program(tmp_path_factory.mktemp("data"))
@@ -61,7 +61,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Program]:
     running.stop()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")  # playwright holds an event loop: it must end with these tests
 def browser() -> Iterator[Browser]:
     chromium = shutil.which("chromium")
     assert chromium, "chromium is missing: install Debian's package chromium"

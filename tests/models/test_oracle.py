@@ -6,6 +6,7 @@ from hypothesis import Phase, given, settings
 
 from models.assemble import assemble
 from models.kernel.integrate import COMPLETED
+from models.kernel.params import U, W
 from models.presets import load_preset
 from tests.models.reference import ReferenceGlider, ReferenceLaw, simulate_reference, world_state
 from tests.models.support import run_kernel
@@ -54,11 +55,16 @@ def test_random_glides_agree(design):
 @few
 @given(designs(most=3, ideal=True, law="polynomial"))
 def test_random_glides_agree_by_rk4(design):
-    """Smooth laws: the false corners of others are no test of a fixed step's order."""
+    """Smooth laws: the false corners of others are no test of a fixed step's order.
+
+    The polynomials' lift jumps at 90 deg of attack: a step across it is off by a share of h times the jump.
+    """
     _, expected = simulate_reference(design)
-    run = run_kernel(assemble(solved_by(design, method="rk4", step=5e-4, output_interval=10.0)))
+    run = run_kernel(assemble(solved_by(design, method="rk4", step=5e-4, output_interval=0.01)))
     assert run.code == COMPLETED
-    np.testing.assert_allclose(world_state(run.states[-1]), expected[-1], rtol=0, atol=1e-8)
+    past = np.abs(np.arctan2(run.states[:, W], run.states[:, U])) > np.pi / 2
+    tolerance = 1e-8 if past.all() or not past.any() else 1e-5
+    np.testing.assert_allclose(world_state(run.states[-1]), expected[-1], rtol=0, atol=tolerance)
 
 
 def test_the_oracle_would_notice_a_wrong_sign(paper_glide):

@@ -59,6 +59,15 @@ def test_netcdf_says_what_it_is(run, tmp_path):
         assert_units(stored)
 
 
+def test_csv_reads_back_digit_for_digit(run, tmp_path):
+    path = tmp_path / "run.csv"
+    run.to_csv(path)
+    xr.testing.assert_identical(Run.read_csv(path), run.data)
+    with pytest.raises(ValueError, match="first column"):
+        (tmp_path / "other.csv").write_text("a,b\n1,2\n")
+        Run.read_csv(tmp_path / "other.csv")
+
+
 def test_writing_a_file_leaves_the_run_as_it_was(run):
     before = run.data.copy(deep=True)
     run.to_netcdf()

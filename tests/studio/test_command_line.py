@@ -20,7 +20,8 @@ from models.presets import load_preset, preset_ids
 from models.run import Run
 from models.simulate import Control
 from studio import commands
-from studio.__main__ import DONE, MISUSED, REFUSED, STOPPED, UNUSABLE, main
+from studio.__main__ import main
+from studio.exit_codes import DONE, MISUSED, REFUSED, STOPPED, UNUSABLE
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""Owns what a run asked of its hydrodynamic data beyond where they were taken: told with the share of the time."""
+"""Owns what a run gives reason to doubt: data left behind, or a balance of energy that does not close."""
 
 from __future__ import annotations
 
@@ -11,6 +11,27 @@ from models.problems import Problem
 from models.run import Run
 
 POINTER = "/vehicle/hydrodynamics"
+LARGEST_RESIDUAL = 1e-3
+"""Share of the energy exchanged above which a run is not to be trusted."""
+
+
+def run_warnings(run: Run) -> Iterator[Problem]:
+    """Yield everything about a run that its reader should know, each with the number that shows it."""
+    yield from inaccurate(run)
+    yield from outside_data(run)
+
+
+def inaccurate(run: Run) -> Iterator[Problem]:
+    """Yield a warning where the balance of energy leaves too much unexplained."""
+    residual = run.relative_residual
+    if not residual <= LARGEST_RESIDUAL:
+        fixed = run.design.mission.solver.method == "rk4"
+        yield Problem(
+            f"/mission/solver/{'step' if fixed else 'tolerance'}",
+            f"the run is not accurate: {100.0 * residual:.2g} % of the energy exchanged is unexplained",
+            limit=LARGEST_RESIDUAL,
+            hint="use a smaller step, or the adaptive method" if fixed else "use a smaller tolerance",
+        )
 
 
 def outside_data(run: Run) -> Iterator[Problem]:
