@@ -203,3 +203,20 @@ def test_replacing_the_document_is_a_step_too(session: Session, dual_bellows: De
     assert session.design == other
     session.undo()
     assert session.design == dual_bellows
+
+
+def test_an_added_cell_weighs_where_mass_is_declared(session: Session) -> None:
+    before = mass_balance(session.design.vehicle)
+    session.add_component("piston")
+    after = mass_balance(session.design.vehicle)
+    added = session.design.vehicle.components[-1]
+    # what it displaces at neutral it weighs, to the four digits its mass is given with
+    assert after.mass - before.mass == pytest.approx(added.mass, rel=1e-12)
+    assert after.mass - 1000.0 * after.volume == pytest.approx(before.mass - 1000.0 * before.volume, abs=1e-5)
+
+
+@pytest.mark.parametrize("index", ["9" * 5000, "01", "١", "-1", "1e0"])
+def test_an_index_that_is_none_is_refused(session: Session, index: str) -> None:
+    with pytest.raises(DesignError):
+        session.edit([{"op": "replace", "path": f"/vehicle/components/{index}/name", "value": "X"}])
+    assert [c.name for c in session.design.vehicle.components] == ["Body", "Front bellows", "Rear bellows"]

@@ -154,7 +154,8 @@ def test_a_refused_edit_is_told_and_the_last_good_glide_stays(studio: Studio) ->
         assert client.put("design", json=document).status_code == 422
         assert client.get("state").json()["problem"]["errors"][0]["pointer"] == "/version"
         assert client.post("edit", content=b"{", headers={"content-type": "application/json"}).status_code == 400
-        assert client.post("camera", json={"view": "inside"}).status_code == 422
+        for view in ("inside", [], {}, 3, None):
+            assert client.post("camera", json={"view": view}).status_code == 422
         assert client.post("select", json={"component": 99}).status_code == 422
 
 
