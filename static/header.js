@@ -48,6 +48,20 @@ function connectKeys(actions) {
   });
 }
 
+// What was said about a trim holds until the design changes again.
+function connectTrim({ store, actions }) {
+  let revision = Infinity;
+  const say = (text) => setText($("trim-message"), text);
+  $("trim").addEventListener("click", async () => {
+    say("");
+    revision = Infinity; // the trim's own state may come before its answer
+    const answer = await actions.trim();
+    revision = answer?.revision ?? store.get("state")?.revision ?? Infinity;
+    say(answer?.message ?? "");
+  });
+  store.watch(["state"], ({ state }) => state && state.revision > revision && say(""));
+}
+
 export function connectHeader({ store, actions }) {
   store.watch(["state", "busy"], show);
   $("undo").addEventListener("click", actions.undo);
@@ -58,11 +72,7 @@ export function connectHeader({ store, actions }) {
     $("file").value = "";
     if (file) actions.open(() => readDesignFile(file));
   });
-  $("trim").addEventListener("click", async () => {
-    setText($("trim-message"), "");
-    const answer = await actions.trim();
-    setText($("trim-message"), answer?.message ?? "");
-  });
+  connectTrim({ store, actions });
   connectMenu();
   connectKeys(actions);
 }

@@ -3,6 +3,7 @@
 import { createSession, getPresets, readDesignFile } from "./api.js";
 import { $, el } from "./dom.js";
 import { problemNodes } from "./problem.js";
+import { forgetGone, recentSessions } from "./recent.js";
 
 function card({ id, name, summary }) {
   const image = el("img", { src: `presets/${encodeURIComponent(id)}.svg`, alt: "", loading: "lazy" });
@@ -33,6 +34,19 @@ async function showPresets() {
   $("presets").setAttribute("aria-busy", "false");
 }
 
+const openedAt = (time) => new Date(time).toLocaleString(undefined, { month: "short", day: "numeric", hour: "2-digit", minute: "2-digit" });
+
+function recentLink({ id, name, time }) {
+  const when = el("time", { datetime: new Date(time).toISOString() }, openedAt(time));
+  return el("li", {}, el("a", { class: "btn", href: `s/${encodeURIComponent(id)}/`, title: name, "data-testid": `recent-${id}` }, el("span", {}, name), when));
+}
+
+function showRecent() {
+  const items = recentSessions();
+  $("recent").hidden = items.length === 0;
+  $("recent-list").replaceChildren(...items.map(recentLink));
+}
+
 function showProblem(problem) {
   $("problem").hidden = problem === null;
   $("problem").replaceChildren(...(problem ? problemNodes(problem) : []));
@@ -55,3 +69,7 @@ async function openFile(file) {
 $("open").addEventListener("click", () => $("file").click());
 $("file").addEventListener("change", () => $("file").files[0] && openFile($("file").files[0]));
 showPresets();
+showRecent();
+forgetGone(showRecent);
+// A page kept by the browser for its back button knows nothing of the sessions opened since.
+window.addEventListener("pageshow", (event) => event.persisted && showRecent());

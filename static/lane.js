@@ -15,7 +15,7 @@ const attributes = (node, values) => {
 };
 
 export class Lane {
-  // hooks: onDrag(lane, k, point), onOpen, onAdd, onRemove, onSelect, onSeek
+  // hooks: onDrag(lane, k, point), onDrop, onOpen, onAdd, onRemove, onSelect, onSeek
   constructor(scale, hooks) {
     Object.assign(this, { scale, hooks, draft: null, dragging: null, circles: [], outstanding: 0, until: 0 });
     this.back = svg("rect", { class: "lane-back", rx: 3 });
@@ -24,7 +24,8 @@ export class Lane {
     this.command = svg("path", { class: "command" });
     this.actual = svg("path", { class: "actual" });
     this.dots = svg("g", {});
-    this.svg = svg("svg", { class: "lane", role: "group" }, this.back, this.high, this.low, this.command, this.actual, this.dots);
+    this.plot = svg("svg", {}, this.command, this.actual); // clips: the band is wide, and would paint beyond the end
+    this.svg = svg("svg", { class: "lane", role: "group" }, this.back, this.high, this.low, this.plot, this.dots);
     this.name = el("button", { type: "button", class: "lane-name", onclick: () => hooks.onSelect(this) });
     this.value = el("output", { class: "lane-value" });
     this.root = el("div", { class: "row lane-row" }, el("div", { class: "label" }, this.name, this.value), this.svg);
@@ -32,8 +33,8 @@ export class Lane {
     this.svg.addEventListener("click", (event) => event.target.closest(".dot") || hooks.onSeek(scale.t(this.offset(event)[0])));
   }
 
-  update(schedule, component, { run, revision }) {
-    Object.assign(this, { schedule, component, run, revision });
+  update(schedule, component, { run, revision, duration }) {
+    Object.assign(this, { schedule, component, run, revision, duration });
     this.cell = run?.cells.find((c) => c.name === schedule.cell) ?? null;
     if (this.settled) this.draft = null;
     this.root.style.setProperty("--cell", schedule.color);
@@ -54,15 +55,17 @@ export class Lane {
   }
 
   // The stroke in use fills the lane (strokes are a millimetre or two); the numbers at the left say which.
+  // Under a drag the range only grows: inside it the point stays under the pointer, beyond it at the edge, in sight.
   range() {
-    if (this.dragging) return this.dragging.range;
     const { extension_min: low, extension_max: high } = this.component ?? {};
-    const used = [this.startValue(), ...this.schedule.points.map((p) => p.extension), ...(this.cell ? extent(this.cell.extension) : [])];
-    const [a, b] = extent(used);
+    const cell = this.cell ? [...extent(this.cell.command), ...extent(this.cell.extension)] : [];
+    const [a, b] = extent([this.startValue(), ...this.points.map((p) => p.extension), ...cell]);
+    if (this.dragging) return extent([...this.dragging.range, a, b]);
     const whole = (high ?? b) - (low ?? a);
     const half = Math.max((b - a) * 0.6, whole * SMALLEST_SHARE * 0.5, 1e-4);
     const middle = clamp((a + b) / 2, (low ?? -Infinity) + half, (high ?? Infinity) - half);
-    return [clamp(middle - half, low, high), clamp(middle + half, low, high)];
+    // What lies beyond the limits (they may have been edited since) is shown all the same.
+    return [Math.min(a, clamp(middle - half, low, high)), Math.max(b, clamp(middle + half, low, high))];
   }
 
   draw() {
@@ -70,13 +73,15 @@ export class Lane {
     const [low, high] = (this.shown = this.range());
     this.y = (e) => LANE_HEIGHT - PAD - ((e - low) / (high - low || 1)) * (LANE_HEIGHT - 2 * PAD);
     attributes(this.svg, { width: scale.width, height: LANE_HEIGHT, viewBox: `0 0 ${scale.width} ${LANE_HEIGHT}` });
+    const inner = [scale.x(0), 0, scale.span, LANE_HEIGHT];
+    attributes(this.plot, { x: inner[0], y: 0, width: inner[2], height: LANE_HEIGHT, viewBox: inner.join(" ") });
     attributes(this.back, { x: scale.x(0), y: 2, width: scale.span, height: LANE_HEIGHT - 4 });
     const digits = high - low < 0.002 ? 2 : 1;
     attributes(this.high, { x: scale.x(0) - 6, y: 13 });
     attributes(this.low, { x: scale.x(0) - 6, y: LANE_HEIGHT - 5 });
     setText(this.high, millimetres(high, digits));
     setText(this.low, millimetres(low, digits));
-    const corners = commandCorners(this.points, this.startValue(), scale.duration);
+    const corners = commandCorners(this.points, this.startValue(), scale.end);
     this.command.setAttribute("d", this.pathOf(corners.map((c) => c[0]), corners.map((c) => c[1])));
     this.actual.setAttribute("d", this.cell ? this.pathOf(this.run.columns.t, this.cell.extension) : "");
     this.drawPoints();
@@ -127,7 +132,7 @@ export class Lane {
   }
 
   valueAt(y) {
-    const [low, high] = this.shown;
+    const [low, high] = this.dragging?.range ?? this.shown;
     return low + ((LANE_HEIGHT - PAD - y) / (LANE_HEIGHT - 2 * PAD)) * (high - low);
   }
 
@@ -156,7 +161,7 @@ export class Lane {
 
   moveTo(k, time, extension) {
     const base = this.schedule.points[k];
-    const point = { ...base, time: clamp(time, ...timeRange(this.schedule.points, k, this.scale.duration)), extension };
+    const point = { ...base, time: clamp(time, ...timeRange(this.schedule.points, k, this.duration)), extension };
     this.draft = { k, point };
     this.draw();
     this.hooks.onDrag(this, k, point);
@@ -166,6 +171,8 @@ export class Lane {
     const drag = this.dragging;
     if (!drag) return;
     this.dragging = null;
+    this.draw();
+    this.hooks.onDrop();
     if (!drag.moved && keep) this.hooks.onOpen(this, drag.k, this.circles[drag.k]);
   }
 

@@ -8,7 +8,8 @@ import { connectNotices } from "./notices.js";
 import { connectOverlays } from "./overlays.js";
 import { connectPolar } from "./polar.js";
 import { connectReadouts } from "./readouts.js";
-import { largestForce, sceneAt, visibility } from "./scene.js";
+import { rememberSession } from "./recent.js";
+import { largestForce, positionAt, sceneAt, visibility } from "./scene.js";
 import { createActions, follow } from "./session.js";
 import { createStore } from "./store.js";
 import { Timeline } from "./timeline.js";
@@ -49,19 +50,21 @@ const viewer = new Viewer($("view"), {
 });
 
 let largest = 0;
+let anchor = null; // what the view stays on: the glider, or where it was when following was turned off
 function showScene() {
   const state = store.get("state");
   if (!state?.run) return;
   const { follow: following, exaggeration } = store.get("view");
-  viewer.show(sceneAt(state, clock.t, { follow: following, exaggeration, largest }), clock.t);
+  if (following || !anchor) anchor = positionAt(state.run, clock.t);
+  viewer.show(sceneAt(state, clock.t, { anchor, exaggeration, largest }), clock.t);
 }
 
 store.watch(["state"], ({ state }) => {
   if (!state) return;
   largest = state.run ? largestForce(state.run.columns) : 0;
-  $("scrub").max = String(state.duration);
   clock.setEnd(state.run?.columns.t.at(-1) ?? 0);
 });
+store.watch(["connected"], ({ connected }) => viewer.setOnline(connected));
 store.watch(["view"], () => {
   showScene();
   viewer.check();
@@ -75,6 +78,7 @@ connectOverlays({ store, clock, setCamera: actions.camera });
 connectReadouts({ store, clock });
 connectTransport(clock);
 const timeline = new Timeline({ store, clock, actions });
+rememberSession(store);
 follow(store);
 
 // For tests: what the page knows, and how often it moved the scene.

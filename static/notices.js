@@ -75,8 +75,10 @@ export function connectNotices({ store, select, showForces }) {
     const status = statusOf(values);
     $("status").dataset.state = status;
     setText($("status"), STATUS[status]);
-    $("compiling").hidden = values.state?.kernel !== "compiling";
-    $("lost").hidden = values.over || (values.connected && values.viewerLinked);
+    // A compiling server may starve the 3D view for a moment: it comes back, so that alone is no news.
+    const compiling = values.state?.kernel === "compiling" && values.connected && !values.over;
+    $("compiling").hidden = !compiling;
+    $("lost").hidden = values.over || (values.connected && (values.viewerLinked || compiling));
     setText($("lost-text"), values.connected ? "The 3D view lost its connection, retrying…" : "Connection lost, retrying…");
   });
 }

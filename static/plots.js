@@ -88,7 +88,7 @@ export class TimePlot {
     const inner = height - this.top - this.bottom;
     this.y = (v) => this.top + (this.down ? v - low : high - v) * (inner / (high - low));
     this.drawGrid(context, low, high, inner);
-    if (!this.run) return sayEmpty(context, this.scale.x(this.scale.duration / 2), this.top + inner / 2);
+    if (!this.run) return sayEmpty(context, this.scale.x(this.scale.end / 2), this.top + inner / 2);
     context.save();
     context.beginPath();
     context.rect(this.scale.x(0), 0, this.scale.span, this.top + inner);
@@ -100,7 +100,7 @@ export class TimePlot {
 
   drawGrid(context, low, high, inner) {
     const { scale } = this;
-    const [left, right, foot] = [scale.x(0), scale.x(scale.duration), this.top + inner];
+    const [left, right, foot] = [scale.x(0), scale.x(scale.end), this.top + inner];
     context.fillStyle = cssColor("--plot-bg");
     context.fillRect(left, this.top, scale.span, inner);
     context.strokeStyle = cssColor("--grid");
@@ -113,7 +113,7 @@ export class TimePlot {
       line(context, left, this.y(v), right, this.y(v));
       context.fillText(fixed(v, vertical.digits), left - 6, Math.min(Math.max(this.y(v), this.top + 5), foot - 4));
     }
-    const times = ticks(0, scale.duration, scale.span / 75);
+    const times = ticks(0, scale.end, scale.span / 75);
     for (const t of times.values) line(context, scale.x(t), this.top, scale.x(t), foot);
     if (this.axis) this.drawTimes(context, times, foot);
     this.shadeBeyondEnd(context, inner);
@@ -130,10 +130,10 @@ export class TimePlot {
   // A run may end before the mission does (surface, bed): the rest is visibly not computed.
   shadeBeyondEnd(context, inner) {
     const end = this.run?.columns.t.at(-1) ?? 0;
-    if (!this.run || end >= this.scale.duration - 1e-6) return;
+    if (!this.run || end >= this.scale.end - 1e-6) return;
     context.fillStyle = cssColor("--panel");
     context.globalAlpha = 0.75;
-    context.fillRect(this.scale.x(end), this.top, this.scale.x(this.scale.duration) - this.scale.x(end), inner);
+    context.fillRect(this.scale.x(end), this.top, this.scale.x(this.scale.end) - this.scale.x(end), inner);
     context.globalAlpha = 1;
   }
 

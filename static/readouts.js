@@ -20,7 +20,7 @@ const NOW = [
 const BALANCE = [
   ["mass", "Mass", "g", grams, ({ mass }) => mass.mass],
   ["displaced-volume", "Displaced volume", "cm³", cubicCentimetres, ({ mass }) => mass.displaced_volume],
-  ["start-net-buoyancy", "Net buoyancy at start", "N", (v) => fixed(v, 4), ({ mass }) => mass.net_buoyancy],
+  ["start-net-buoyancy", "Net buoyancy, no command", "N", (v) => fixed(v, 4), ({ mass }) => mass.net_buoyancy],
   ["com-below-cob", "CoM below CoB", "mm", millimetres, ({ mass }) => mass.com_below_cob],
   ["com-x", "CoM x", "mm", millimetres, ({ mass }) => mass.center_of_mass?.[0]],
   ["cob-x", "CoB x", "mm", millimetres, ({ mass }) => mass.center_of_buoyancy?.[0]],
@@ -40,6 +40,14 @@ const NUMERICS = [
   ["elapsed", "Computed in", "ms", (v) => fixed(v, 1), ({ run }) => run?.elapsed_ms],
 ];
 
+// What the label is too short to say.
+const TITLES = {
+  flow: "Direction of motion below the horizontal: atan2(ż, ẋ), positive down",
+  attack: "Angle from the flow to the nose: flow angle + pitch",
+  "start-net-buoyancy": "With every cell at its extension at start, before the first command",
+  "energy-residual": "Left over in the energy balance at the end, as a share of the energy exchanged during the glide",
+};
+
 // Joules mean little on their own: the residual counts against the energy that went back and forth.
 function relativeResidual({ run }) {
   if (!run) return undefined;
@@ -48,7 +56,7 @@ function relativeResidual({ run }) {
 
 function fillTable(table, rows) {
   for (const [id, label, unit] of rows) {
-    table.append(el("div", {}, el("dt", {}, label),
+    table.append(el("div", { title: TITLES[id] }, el("dt", {}, label),
       el("dd", {}, el("span", { class: "value", id: `readout-${id}`, "data-testid": `readout-${id}` }, NONE), el("span", { class: "unit" }, unit))));
   }
   return rows.map((row) => ({ row, node: $(`readout-${row[0]}`), table }));
@@ -65,7 +73,6 @@ function write({ row, node }, value) {
 export function connectReadouts({ store, clock }) {
   const nowRows = fillTable($("now"), NOW);
   const others = [...fillTable($("balance"), BALANCE), ...fillTable($("end"), END), ...fillTable($("numerics"), NUMERICS)];
-  $("readout-energy-residual").closest("div").title = "Left over in the energy balance at the end, as a share of the energy exchanged during the glide";
   const showNow = () => {
     const run = store.get("state")?.run;
     const place = run ? locate(run.columns.t, clock.t) : null;

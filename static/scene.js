@@ -66,15 +66,21 @@ function setMasses(wanted, run, components, place) {
   }
 }
 
-export function sceneAt(state, t, { follow, exaggeration, largest }) {
+export function positionAt({ columns }, t) {
+  const place = locate(columns.t, t);
+  return [at(columns.x, place), 0, at(columns.z, place)];
+}
+
+// The anchor is the point of the water that the view shows at its origin.
+export function sceneAt(state, t, { anchor, exaggeration, largest }) {
   const wanted = new Map();
   const { run, components } = state;
   const c = run.columns;
   const place = locate(c.t, t);
-  const position = [at(c.x, place), 0, at(c.z, place)];
+  const position = positionAt(run, t);
   const theta = angleAt(c.theta, place);
-  wanted.set("/world", { position: follow ? [-position[0], 0, -position[2]] : [0, 0, 0] });
-  wanted.set("/glider", { position: follow ? [0, 0, 0] : position, wxyz: aboutY(theta) });
+  wanted.set("/world", { position: anchor.map((p) => -p) });
+  wanted.set("/glider", { position: position.map((p, k) => p - anchor[k]), wxyz: aboutY(theta) });
   setCells(wanted, run, components, place, exaggeration);
   setMasses(wanted, run, components, place);
   setForces(wanted, c, place, theta, largest);

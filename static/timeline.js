@@ -7,7 +7,7 @@ import { PathPlot } from "./pathplot.js";
 import { TimePlot } from "./plots.js";
 import { PointEditor } from "./pointeditor.js";
 import { addPatch, movePatch, removePatch } from "./schedule.js";
-import { GUTTER, TimeScale } from "./timescale.js";
+import { GUTTER, TimeScale, axisEnd } from "./timescale.js";
 
 export class Timeline {
   // actions: edit(patch), editLatest(patch), select(component index)
@@ -54,7 +54,11 @@ export class Timeline {
 
   laneHooks() {
     return {
-      onDrag: (lane, k, point) => lane.sent(this.actions.editLatest(movePatch(lane.schedule, k, point))),
+      onDrag: (lane, k, point) => {
+        lane.sent(this.actions.editLatest(movePatch(lane.schedule, k, point)));
+        if (this.fitAxis()) this.draw();
+      },
+      onDrop: () => this.fitAxis() && this.draw(),
       onAdd: (lane, point) => this.edit(lane.schedule.cell, (schedule) => addPatch(schedule, point)),
       onRemove: (lane, k) => this.edit(lane.schedule.cell, (schedule) => removePatch(schedule, k)),
       onOpen: (lane, k, anchor) => this.editor.open({ cell: lane.schedule.cell, k, point: lane.points[k], anchor }),
@@ -64,11 +68,25 @@ export class Timeline {
   }
 
   update(state) {
-    this.scale.duration = state.duration;
     this.syncLanes(state);
+    this.fitAxis();
     for (const plot of this.plots) plot.setRun(state.run);
     this.path.setRun(state.run);
     this.layout();
+  }
+
+  // Returns whether the axis changed. Under a drag it stays: a point moved by a moving axis would run away.
+  fitAxis() {
+    const lanes = [...this.lanes.values()];
+    const state = this.store.get("state");
+    if (!state || lanes.some((lane) => lane.dragging)) return false;
+    const lastPoint = Math.max(0, ...lanes.map((lane) => lane.points.at(-1)?.time ?? 0));
+    const end = axisEnd({ duration: state.duration, runEnd: state.run?.columns.t.at(-1) ?? null, lastPoint });
+    if (end === this.scale.end) return false;
+    this.scale.end = end;
+    $("scrub").max = String(end);
+    $("scrub").value = String(this.clock.t); // the old end may have held it back
+    return true;
   }
 
   syncLanes(state) {

@@ -6,7 +6,7 @@ export const MARGIN = 14; // pixels right of the end
 export class TimeScale {
   constructor() {
     this.width = 600;
-    this.duration = 1;
+    this.end = 1;
   }
 
   get span() {
@@ -14,12 +14,22 @@ export class TimeScale {
   }
 
   x(t) {
-    return GUTTER + (t / this.duration) * this.span;
+    return GUTTER + (t / this.end) * this.span;
   }
 
   t(x) {
-    return Math.min(Math.max(((x - GUTTER) / this.span) * this.duration, 0), this.duration);
+    return Math.min(Math.max(((x - GUTTER) / this.span) * this.end, 0), this.end);
   }
+}
+
+const ROOM = 1.05; // of the last moment: an end at the very edge would look cut off
+
+// A run may end early (surface, bed): the axis then shows what happened and the whole schedule, not an empty rest.
+// A point after the mission's end still gets its place.
+export function axisEnd({ duration, runEnd, lastPoint }) {
+  const whole = Math.max(duration, lastPoint);
+  if (runEnd === null || runEnd >= duration * (1 - 1e-9)) return whole;
+  return Math.min(whole, Math.max(runEnd, lastPoint) * ROOM) || whole;
 }
 
 // A step of 1, 2 or 5 times a power of ten that gives about `count` ticks.

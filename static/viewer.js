@@ -6,6 +6,8 @@ import { applySkin } from "./viewerskin.js";
 const HOOK_PATIENCE = 8000; // ms after the iframe's load before the fallback starts
 const CHECK_EVERY = 300; // ms between comparisons of wanted and shown
 const FALLBACK_EVERY = 50; // ms between clock posts: 20 Hz
+const RETURN_PATIENCE = 3000; // ms the client has to come back by itself once the server answers again
+const RELOAD_EVERY = [10000, 20000, 40000, 60000]; // ms; longer each time, as a slow machine loads the client slowly
 
 const differs = (a, b) => {
   if (a === b) return false;
@@ -29,7 +31,21 @@ export class Viewer {
     this.lostSince = null;
     this.lastPost = 0;
     this.everReady = false;
+    this.online = true;
+    this.expectSince(performance.now());
     this.checks = setInterval(() => this.check(), CHECK_EVERY);
+  }
+
+  // Whether the server answers, as the page's event stream tells.
+  setOnline(online) {
+    if (online && !this.online) this.expectSince(performance.now());
+    this.online = online;
+  }
+
+  // From here the client has its time to come back by itself.
+  expectSince(now) {
+    this.reloads = 0;
+    this.nextReload = now + RETURN_PATIENCE;
   }
 
   // Asked for at each check: a load event may have come before this module ran.
@@ -79,6 +95,7 @@ export class Viewer {
   showByServer(t) {
     const now = performance.now();
     clearTimeout(this.lastTimer);
+    if (!this.online) return;
     if (now - this.loadedAt < HOOK_PATIENCE && !this.everReady) return;
     const wait = this.lastPost + FALLBACK_EVERY - now;
     if (wait > 0) {
@@ -129,25 +146,33 @@ export class Viewer {
     if (left !== this.dock) this.onDock((this.dock = left));
   }
 
-  // The client reconnects only while its document has focus, so a lost link is given focus, then a reload.
+  // Lost: a client that says so, one that was there and is gone, or an error page (of another origin: no document).
+  lost(mutable) {
+    const silent = mutable ? String(mutable.sendMessage).includes("not connected") : this.everReady || this.iframe.contentDocument === null;
+    // A first load has its time to connect; a load that is itself a retry must not look like a success meanwhile.
+    return silent && (this.lostSince !== null || performance.now() - this.loadedAt > 3000);
+  }
+
+  // The client reconnects only while its document has focus, so a lost link is given focus, then a new load.
+  // Without a server a load would end on the browser's error page, which never comes back by itself.
   watchLink(mutable) {
-    const lost = mutable !== null && String(mutable.sendMessage).includes("not connected") && performance.now() - this.loadedAt > 3000;
-    if (!lost) {
+    const now = performance.now();
+    if (!this.lost(mutable)) {
       if (this.lostSince !== null) this.regained();
       return;
     }
-    const now = performance.now();
     if (this.lostSince === null) {
       this.lostSince = now;
-      this.nextReload = now + 6000;
+      this.expectSince(now);
       this.focusBefore = document.activeElement;
       this.onLink(false);
     }
-    if (document.visibilityState === "hidden") return;
+    if (!this.online || document.visibilityState === "hidden") return;
     if (now > this.nextReload) {
-      this.nextReload = now + 10000;
-      this.iframe.contentWindow.location.reload();
-    } else if (!this.typing()) this.iframe.contentWindow.focus();
+      this.nextReload = now + RELOAD_EVERY[Math.min(this.reloads, RELOAD_EVERY.length - 1)];
+      this.reloads += 1;
+      this.iframe.src = this.iframe.src; // the same address anew; an error page's own reload is out of reach
+    } else if (mutable && !this.typing()) this.iframe.contentWindow.focus();
   }
 
   typing() {
