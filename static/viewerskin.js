@@ -1,6 +1,8 @@
 // Dresses the viewer's docked panel in the page's own variables, so that no seam shows. Purely cosmetic:
 // if a later client names its variables otherwise, it merely looks like itself again.
 
+import { guardNumbers } from "./plainnumbers.js";
+
 const TOKENS = ["bg", "panel", "raised", "line", "ink", "dim", "faint", "accent"];
 
 const SOFTWARE = "webgl-software-rendering"; // a note that stays until clicked, over the glider
@@ -60,6 +62,7 @@ export function applySkin(doc) {
     dress();
     doc.adoptedStyleSheets = [...doc.adoptedStyleSheets, sheet];
     closeSoftwareNote(doc);
+    guardNumbers(doc);
     const set = followScheme(doc.documentElement);
     light.addEventListener("change", () => {
       dress();

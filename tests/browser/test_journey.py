@@ -110,6 +110,20 @@ def test_a_bad_number_says_what_is_wrong_and_keeps_the_last_glide(studio):
     assert saved_design(studio) == saved
 
 
+@pytest.mark.parametrize("nonsense", ["1e3", "0x10", "12mm"])
+def test_a_number_that_the_box_would_misread_is_refused_as_a_whole(studio, nonsense):
+    before, saved = studio.readout("end-depth"), saved_design(studio)
+    box = studio.row("Position x").locator("input:not([type=hidden])").first
+    box.click()
+    box.press("Control+a")
+    studio.page.keyboard.type(nonsense)
+    assert "Plain numbers only" in box.evaluate("box => box.validationMessage")
+    box.press("Tab")
+    studio.page.wait_for_timeout(1000)  # what was typed before the refusal has come and gone
+    studio.wait_until(lambda: studio.readout("end-depth") == before and saved_design(studio) == saved)
+    assert box.input_value() == "180"
+
+
 def test_adding_and_removing_a_cell(studio):
     count = len(studio.state("s.components"))
     studio.panel.get_by_role("button", name="+ Piston").click()
