@@ -35,7 +35,7 @@ def warm_kernel() -> None:
         if not _ready.is_set():
             if not CACHE_FOLDER.exists() and not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
                 _compile_elsewhere()
-            simulate(load_preset(preset_ids()[0]))
+            compile_here()
             _ready.set()
 
 
@@ -57,5 +57,5 @@ def _compile_elsewhere() -> None:
 
 
 def compile_here() -> None:
-    """Compile the kernel in this process and leave it in the cache."""
+    """Compile the kernel in this process, or load it from its cache, and leave it there."""
     simulate(load_preset(preset_ids()[0]))

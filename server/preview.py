@@ -10,7 +10,6 @@ from typing import Any
 
 from models.assemble import assemble
 from models.design import Design
-from models.kernel.params import EXTENSIONS
 from models.limits import Limits
 from models.problems import DesignError, Problem, pointer_to
 from models.run import CELL_VARIABLES, VARIABLES, Run, Status
@@ -33,13 +32,10 @@ class PreviewRun:
     warnings: tuple[Problem, ...]
 
 
-def preview_limits(design: Design, settings: Settings) -> Limits:
+def preview_limits(settings: Settings) -> Limits:
     """Return the limits of a preview: its samples are fewer, the more cells each of them describes."""
-    cells = len(design.vehicle.actuated)
-    numbers_a_sample = 1 + EXTENSIONS + len(VARIABLES) + (1 + len(CELL_VARIABLES)) * cells
-    samples = min(settings.max_samples, settings.preview_numbers // numbers_a_sample)
     steps = min(settings.max_steps, settings.preview_steps)
-    return dataclasses.replace(settings.limits, samples=samples, steps=steps)
+    return dataclasses.replace(settings.limits, numbers=settings.preview_numbers, steps=steps)
 
 
 def run_preview(design: Design, settings: Settings, control: Control) -> PreviewRun:
@@ -51,7 +47,7 @@ def run_preview(design: Design, settings: Settings, control: Control) -> Preview
         Where the design cannot be simulated, or asks for more than a preview gives.
 
     """
-    limits = preview_limits(design, settings)
+    limits = preview_limits(settings)
     assembly = assemble(design, limits)
     if not kernel_is_ready():
         warm_kernel()
