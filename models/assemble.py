@@ -7,32 +7,42 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from models.checks import check_design, warnings_for
-from models.components import Actuated, MovableMass
+from models.assemble_spatial import added_mass, damping_matrix, spatial_records
+from models.checks import check_design
+from models.components import Actuated, MovableMass, RollingMass
 from models.design import DeclaredMass, Design
+from models.design_warnings import warnings_for
 from models.hydrodynamic_law import HydrodynamicLaw
-from models.kernel.params import BODY, EXTENSIONS, PART, Params
+from models.kernel import params, spatial_layout
+from models.kernel.params import BODY, PART, Params
 from models.limits import DEFAULT_LIMITS, Limits
 from models.mass_properties import component_center_of_mass, initial_extensions, mass_balance, point_inertia
 from models.problems import Problem
 from models.schedule import Schedule
 from models.volumes import core_volume, grows_along_axis, unit_axis, volume_law
+from models.water import current_table, gravity_of, surface_density
 
 Array = NDArray[np.float64]
+NO_LAW = HydrodynamicLaw(np.array([-np.pi, np.pi]), np.zeros((1, 3, 4)), ())
+"""Stands in the records where the forces come from a table over both angles."""
 REFERENCE_SPEED = 0.1
 """Speed whose kinetic energy scales errors in the work states, m/s."""
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """A design made ready for the kernel: its constants, its initial state, and what the user should be warned of."""
+    """A design made ready for the kernel: its constants, its initial state, and what the user should be warned of.
+
+    `law` is that of the angle of attack; None for a table over both angles, which has one of its own.
+    """
 
     design: Design
     params: Params
     initial_state: Array
     cells: tuple[str, ...]
-    law: HydrodynamicLaw
+    law: HydrodynamicLaw | None
     warnings: tuple[Problem, ...]
 
 
@@ -50,20 +60,22 @@ def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
     extensions = initial_extensions(design)
     laws = [volume_law(part) for part in parts]
     commands = [_command_rows(_schedule_of(design, part.name), extensions[part.name]) for part in parts]
-    lookup, lookup_scale = _lookup(law.breaks)
+    curve = law or NO_LAW
+    lookup, lookup_scale = _lookup(curve.breaks)
     body = _body(design, lookup_scale)
-    params = Params(
+    records = Params(
         body=body,
         parts=_parts(design, parts, laws, commands),
         volume_law=_stack(laws, 5),
         commands=_stack(commands, 3),
-        table=_table(law),
+        table=_table(curve),
         lookup=lookup,
         error_scale=_error_scale(design, parts, float(body["mass"][0])),
+        **spatial_records(design, parts),
     )
     state = _initial_state(design, [extensions[part.name] for part in parts])
     warnings = tuple(warnings_for(design))
-    return Assembly(design, params, state, tuple(part.name for part in parts), law, warnings)
+    return Assembly(design, records, state, tuple(part.name for part in parts), law, warnings)
 
 
 def _stack(rows: list[Array], columns: int) -> Array:
@@ -72,7 +84,7 @@ def _stack(rows: list[Array], columns: int) -> Array:
 
 def _body(design: Design, lookup_scale: float) -> NDArray[np.void]:
     vehicle, environment = design.vehicle, design.mission.environment
-    density = environment.water.density
+    density = surface_density(environment.water)
     moving = set() if isinstance(vehicle.mass_properties, DeclaredMass) else _sliding(design)
     still = [c for c in vehicle.components if c.name not in moving]
     if isinstance(vehicle.mass_properties, DeclaredMass):
@@ -87,10 +99,10 @@ def _body(design: Design, lookup_scale: float) -> NDArray[np.void]:
             inertia += c.mass * point_inertia(r)
     rigid = [c for c in vehicle.components if c.kind == "rigid"]
     volume_moment = np.sum([c.volume * np.array(c.position) for c in rigid], axis=0) + np.zeros(3)
-    A = _added_mass(design)
+    A, D = added_mass(design), damping_matrix(design)
     table = vehicle.hydrodynamics
     values = {
-        "gravity": environment.gravity,
+        "gravity": gravity_of(environment),
         "density": density,
         "bed_depth": math.inf if environment.bed_depth is None else environment.bed_depth,
         "mass": mass_balance(vehicle).mass,
@@ -102,7 +114,7 @@ def _body(design: Design, lookup_scale: float) -> NDArray[np.void]:
         "volume_z": volume_moment[2],
         "a11": A[0, 0], "a13": A[0, 2], "a15": A[0, 4], "a33": A[2, 2], "a35": A[2, 4], "a55": A[4, 4],
         "munk_in_table": float(table.includes_munk_moment),
-        "d11": vehicle.damping.surge, "d33": vehicle.damping.heave, "d55": vehicle.damping.pitch,
+        "d11": D[0, 0], "d33": D[2, 2], "d55": D[4, 4],
         "force_scale": density / table.reference_density,
         "reference_x": table.reference_point[0],
         "reference_z": table.reference_point[2],
@@ -113,14 +125,7 @@ def _body(design: Design, lookup_scale: float) -> NDArray[np.void]:
 
 
 def _sliding(design: Design) -> set[str]:
-    return {c.name for c in design.vehicle.components if isinstance(c, MovableMass)}
-
-
-def _added_mass(design: Design) -> Array:
-    added = design.vehicle.added_mass
-    if added is None or not added.enabled:
-        return np.zeros((6, 6))
-    return np.array(added.matrix) * (design.mission.environment.water.density / added.density)
+    return {c.name for c in design.vehicle.components if isinstance(c, MovableMass | RollingMass)}
 
 
 def _parts(design: Design, parts: list[Actuated], laws: list[Array], commands: list[Array]) -> NDArray[np.void]:
@@ -183,20 +188,42 @@ def _lookup(breaks: Array) -> tuple[NDArray[np.int64], float]:
 
 
 def _error_scale(design: Design, parts: list[Actuated], mass: float) -> Array:
-    scale = np.ones(EXTENSIONS + len(parts))
-    scale[6:EXTENSIONS] = mass * REFERENCE_SPEED**2
+    """Return what an error of 1 means in each state; works are scaled by the energy of moving at `REFERENCE_SPEED`."""
+    spatial = design.mission.solver.model == "spatial"
+    first = spatial_layout.EXTENSIONS if spatial else params.EXTENSIONS
+    work = spatial_layout.WORK_ACTUATORS if spatial else params.WORK_ACTUATORS
+    energy = mass * REFERENCE_SPEED**2
+    scale = np.ones(first + len(parts) * (2 if spatial else 1))
+    scale[work:first] = energy
     for i, part in enumerate(parts):
         low, high = part.stroke
-        scale[EXTENSIONS + i] = high - low
+        scale[first + i] = high - low
+        if spatial:
+            scale[first + len(parts) + i] = energy
     return scale * design.mission.solver.tolerance
 
 
 def _initial_state(design: Design, extensions: list[float]) -> Array:
     initial = design.mission.initial
+    x, y, z = initial.position
+    if design.mission.solver.model == "planar":
+        u, w, q = initial.velocity[0], initial.velocity[2], initial.angular_velocity[1]
+        return np.array([x, z, initial.pitch, u, w, q, 0.0, 0.0, *extensions])
+    attitude = Rotation.from_euler("ZYX", [initial.yaw, initial.pitch, initial.roll])
+    velocity = np.array(initial.velocity) + attitude.inv().apply(_current_at(design, z))
     return np.array(
         [
-            initial.position[0], initial.position[2], initial.pitch,
-            initial.velocity[0], initial.velocity[2], initial.angular_velocity[1],
-            0.0, 0.0, *extensions,
+            x, y, z, *attitude.as_quat(scalar_first=True), *velocity, *initial.angular_velocity,
+            0.0, 0.0, 0.0, *extensions, *np.zeros(len(extensions)),
         ]
     )  # fmt: skip
+
+
+def _current_at(design: Design, depth: float) -> Array:
+    """Return the current at time zero, (3,) m/s in the world."""
+    table = current_table(design.mission.environment.current)
+    profiles = table.rows.reshape(len(table.times), table.levels, 9)
+    row = max(int(np.searchsorted(profiles[0, :, 0], depth, side="right")) - 1, 0)
+    h = (depth - profiles[0, row, 0]) ** np.arange(4)
+    values = profiles[:, row, 1:].reshape(-1, 2, 4) @ h
+    return np.array([*(np.interp(0.0, table.times, column) for column in values.T), 0.0])

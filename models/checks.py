@@ -1,4 +1,4 @@
-"""Owns what a design must satisfy beyond its fields' limits before it can be simulated, and what is worth a warning."""
+"""Owns what a design must satisfy beyond its fields' limits before it can be simulated."""
 
 from __future__ import annotations
 
@@ -8,24 +8,40 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from models.components import Actuated, extension_unit
 from models.design import Design
-from models.hydrodynamic_law import HydrodynamicLaw, build_law
+from models.hydrodynamic_law import HydrodynamicLaw, law_of
+from models.hydrodynamic_sources import Hydrodynamics
+from models.hydrodynamics import PolarTable
+from models.hydrodynamics_angles import AngleTable
 from models.limits import Limits
-from models.mass_properties import MassBalance, inertia_matrix, initial_extensions, mass_balance
+from models.mass_properties import MassBalance, initial_extensions, mass_balance
+from models.model_checks import model_problems
 from models.problems import DesignError, Problem, pointer_to
+from models.water import gravity_of, water_table
 
-FIXED_COLUMNS, COLUMNS_PER_CELL = 33, 4
-"""Numbers kept a sample: the variables over time with the states, and those of each cell with its state."""
+COLUMNS = {"planar": (33, 4), "spatial": (100, 6)}
+"""Numbers kept a sample: the variables over time with the states, and those of each cell with its states."""
 
 
-def check_design(design: Design, limits: Limits) -> HydrodynamicLaw:
-    """Return the hydrodynamic law of a design that can be simulated; else raise `DesignError` with all problems."""
+def check_design(design: Design, limits: Limits) -> HydrodynamicLaw | None:
+    """Return the law in the angle of attack of a design that can be simulated, None where its source has another.
+
+    Raises
+    ------
+    DesignError
+        With all problems, where it cannot be simulated.
+
+    """
     problems = list(_limit_problems(design, limits))
     if problems:
         raise DesignError(problems)
-    problems = [*_control_problems(design), *_initial_problems(design), *_mass_problems(design)]
+    problems = [
+        *_control_problems(design), *_initial_problems(design), *model_problems(design), *_mass_problems(design),
+    ]  # fmt: skip
     try:
-        law = build_law(design.vehicle.hydrodynamics)
+        law = law_of(design.vehicle.hydrodynamics)
+        water_table(design.mission.environment.water, gravity_of(design.mission.environment))
     except DesignError as error:
         raise DesignError([*problems, *error.problems]) from None
     if problems:
@@ -38,15 +54,14 @@ def _limit_problems(design: Design, limits: Limits) -> Iterator[Problem]:
     solver = mission.solver
     points = sum(len(s.points) for s in mission.control.schedules)
     samples = mission.duration / solver.output_interval
-    columns = FIXED_COLUMNS + COLUMNS_PER_CELL * len(vehicle.actuated)
+    fixed, per_cell = COLUMNS[solver.model]
+    columns = fixed + per_cell * len(vehicle.actuated)
+    rows, where = table_rows(vehicle.hydrodynamics)
     most = min(limits.samples, limits.numbers // columns)
     counts = [
         ("/vehicle/components", "components", len(vehicle.components), limits.components, "remove some"),
         ("/mission/control/schedules", "schedule points", points, limits.schedule_points, "use fewer points"),
-        (
-            "/vehicle/hydrodynamics/row_alpha_deg", "table rows",
-            len(vehicle.hydrodynamics.row_alpha_deg), limits.table_rows, "thin the table",
-        ),
+        (f"/vehicle/hydrodynamics/{where}", "table rows", rows, limits.table_rows, "thin the table"),
         ("/mission/duration", "seconds", mission.duration, limits.duration, "shorten the mission"),
         (
             "/mission/solver/output_interval", "samples of the result",
@@ -63,18 +78,31 @@ def _limit_problems(design: Design, limits: Limits) -> Iterator[Problem]:
             yield Problem(pointer, f"{value:g} {what} exceed the limit of {bound:g}", limit=bound, hint=hint)
 
 
+def table_rows(source: Hydrodynamics) -> tuple[int, str]:
+    """Return how many rows of forces a source holds, and which field says so."""
+    match source:
+        case PolarTable():
+            return len(source.row_alpha_deg), "row_alpha_deg"
+        case AngleTable():
+            return len(source.alpha_deg) * len(source.beta_deg), "alpha_deg"
+        case _:
+            return 0, "kind"
+
+
 def _outside(extension: float, stops: tuple[float, float]) -> bool:
     slack = 1e-9 * (stops[1] - stops[0])
     return not stops[0] - slack <= extension <= stops[1] + slack
 
 
-def _stop_problem(pointer: str, name: str, extension: float, stops: tuple[float, float]) -> Problem:
-    bound = stops[0] if extension < stops[0] else stops[1]
-    low, high = (1e3 * stop for stop in stops)
+def _stop_problem(pointer: str, part: Actuated, extension: float) -> Problem:
+    low, high = part.stroke
+    rolls = extension_unit(part) == "rad"
+    scale, unit, what = (math.degrees(1.0), "deg", "angle") if rolls else (1e3, "mm", "extension")
     return Problem(
         pointer,
-        f"extension {extension * 1e3:g} mm of '{name}' lies outside its stops [{low:g}, {high:g}] mm",
-        limit=bound,
+        f"{what} {extension * scale:g} {unit} of '{part.name}' lies outside its stops [{low * scale:g}, "
+        f"{high * scale:g}] {unit}",
+        limit=low if extension < low else high,
         hint="stay within the stops, or move them",
     )
 
@@ -93,7 +121,7 @@ def _control_problems(design: Design) -> Iterator[Problem]:
         seen.add(schedule.cell)
         for k, point in enumerate(schedule.points):
             if _outside(point.extension, part.stroke):
-                yield _stop_problem(f"{pointer}/points/{k}/extension", part.name, point.extension, part.stroke)
+                yield _stop_problem(f"{pointer}/points/{k}/extension", part, point.extension)
                 break
     yield from extension_problems(design, design.mission.initial.extensions, "/mission/initial/extensions")
 
@@ -107,7 +135,7 @@ def extension_problems(design: Design, extensions: Mapping[str, float], pointer:
         if part is None:
             yield _unknown(at, name, moving)
         elif _outside(extension, part.stroke):
-            yield _stop_problem(at, name, extension, part.stroke)
+            yield _stop_problem(at, part, extension)
 
 
 def _unknown(pointer: str, name: str, moving: Iterable[str]) -> Problem:
@@ -128,20 +156,6 @@ def _initial_problems(design: Design) -> Iterator[Problem]:
             "/mission/initial/position/2", f"the glider starts at z = {depth:g} m, at or below the bed at {bed:g} m",
             limit=bed, hint="start above the bed",
         )  # fmt: skip
-    across = {
-        "position/1": initial.position[1],
-        "roll": initial.roll,
-        "yaw": initial.yaw,
-        "velocity/1": initial.velocity[1],
-        "angular_velocity/0": initial.angular_velocity[0],
-        "angular_velocity/2": initial.angular_velocity[2],
-    }
-    for field, value in across.items():
-        if value != 0.0:
-            yield Problem(
-                f"/mission/initial/{field}", f"{value:g} leaves the vertical plane, which the planar model cannot",
-                limit=0.0, hint="set it to 0",
-            )  # fmt: skip
 
 
 def _mass_problems(design: Design) -> Iterator[Problem]:
@@ -163,21 +177,28 @@ def _mass_problems(design: Design) -> Iterator[Problem]:
         )  # fmt: skip
     added = vehicle.added_mass
     A = np.array(added.matrix) if added is not None and added.enabled else np.zeros((6, 6))
-    pitch = _turning_inertia(balance, A)
-    if not problems and pitch <= 1e-12 * balance.mass:
+    turning = turning_inertia(balance, A)
+    axes = "xyz" if design.mission.solver.model == "spatial" else "y"
+    if axes == "y":
+        turning = turning[1:2, 1:2]
+    moments, directions = np.linalg.eigh(turning)
+    if not problems and moments[0] <= 1e-12 * balance.mass:
+        axis = "roll pitch yaw".split()["xyz".index(axes[int(np.abs(directions[:, 0]).argmax())])]
         yield Problem(
-            pointer, f"the moment of inertia in pitch is {pitch:.4g} kg m2: the equations are singular",
+            pointer, f"the moment of inertia in {axis} is {moments[0]:.4g} kg m2: the equations are singular",
             limit=0.0, hint="give the components inertia, or put them apart",
         )  # fmt: skip
 
 
-def _turning_inertia(balance: MassBalance, A: NDArray[np.float64]) -> float:
-    """Return the last pivot of the planar M: the inertia in pitch about the point that turns most freely, kg m2."""
-    x, _, z = balance.mass * balance.center_of_mass
-    m = balance.mass
-    M = np.array([[m, 0.0, z], [0.0, m, -x], [z, -x, balance.inertia_about_origin[1, 1]]])
-    M += A[np.ix_([0, 2, 4], [0, 2, 4])]
-    return float(M[2, 2] - M[2, :2] @ np.linalg.solve(M[:2, :2], M[:2, 2]))
+def turning_inertia(balance: MassBalance, A: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the inertia about the point that turns most freely, (3, 3) kg m2: the Schur complement of M_RB + M_A."""
+    M = np.zeros((6, 6)) + A
+    x, y, z = balance.mass * balance.center_of_mass
+    M[:3, :3] += balance.mass * np.eye(3)
+    M[:3, 3:] += np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    M[3:, :3] = M[:3, 3:].T
+    M[3:, 3:] += balance.inertia_about_origin
+    return np.asarray(M[3:, 3:] - M[3:, :3] @ np.linalg.solve(M[:3, :3], M[:3, 3:]), dtype=np.float64)
 
 
 def _added_mass_problems(design: Design) -> Iterator[Problem]:
@@ -201,53 +222,3 @@ def _added_mass_problems(design: Design) -> Iterator[Problem]:
             pointer, f"added mass is not positive semi-definite: its smallest eigenvalue is {smallest:.4g}",
             limit=0.0, hint="check the signs of the couplings",
         )  # fmt: skip
-
-
-def warnings_for(design: Design) -> Iterator[Problem]:
-    """Yield what does not stop a run, yet may surprise: each with the number that shows it."""
-    vehicle, mission = design.vehicle, design.mission
-    balance = mass_balance(vehicle)
-    weight = balance.mass * mission.environment.gravity
-    net = balance.net_buoyancy(mission.environment.water.density, mission.environment.gravity)
-    if weight > 0.0 and abs(net) > 0.02 * weight:
-        yield Problem(
-            "/vehicle/components",
-            f"net buoyancy with neutral cells is {net:+.3g} N, {100 * net / weight:+.1f} % of weight",
-            limit=0.02, hint="trim the ballast",
-        )  # fmt: skip
-    below = 1e3 * float(balance.center_of_mass[2] - balance.center_of_buoyancy[2])
-    if below <= 0.0:
-        yield Problem(
-            "/vehicle/components",
-            f"the centre of mass lies {-below:.3g} mm above the centre of buoyancy: it turns over",
-            limit=0.0, hint="put weight lower or volume higher",
-        )  # fmt: skip
-    if any(abs(c.position[1]) > 0.0 for c in vehicle.components):
-        yield Problem("/mission/solver/model", "the planar model ignores offsets to port and starboard")
-    declared = vehicle.mass_properties.kind == "declared"
-    parts = math.fsum(c.mass for c in vehicle.components)
-    if declared and abs(parts - balance.mass) > 1e-3 * balance.mass:
-        yield Problem(
-            "/vehicle/mass_properties/mass",
-            f"declared are {1e3 * balance.mass:.4g} g, the parts weigh {1e3 * parts:.4g} g: only the declared counts",
-            limit=parts, hint="declare the sum, or use composite mass properties",
-        )  # fmt: skip
-    if declared and any(c.kind == "movable_mass" for c in vehicle.components):
-        yield Problem(
-            "/vehicle/mass_properties", "declared mass properties are frozen: movable masses have no effect",
-            hint="use composite mass properties",
-        )  # fmt: skip
-    if not declared and any(_has_negative_moment(c.inertia) for c in vehicle.components):
-        yield Problem("/vehicle/components", "a component's inertia has a negative principal moment", limit=0.0)
-    for i, schedule in enumerate(mission.control.schedules):
-        if schedule.points[-1].time > mission.duration:
-            yield Problem(
-                pointer_to("mission", "control", "schedules", i, "points", len(schedule.points) - 1, "time"),
-                f"'{schedule.cell}' has points after the mission's end at {mission.duration:g} s",
-                limit=mission.duration, hint="lengthen the mission",
-            )  # fmt: skip
-
-
-def _has_negative_moment(inertia: object) -> bool:
-    matrix = inertia_matrix(inertia)  # type: ignore[arg-type]
-    return bool(np.linalg.eigvalsh(matrix)[0] < -1e-9 * max(float(np.abs(matrix).max()), 1e-12))

@@ -22,6 +22,7 @@ SMALLEST_LAG = 1e-4
 
 Extension = Annotated[float, Field(strict=True, ge=-100.0, le=100.0)]
 Volume = Annotated[float, Field(strict=True, ge=0.0, le=1e4)]
+Angle = Annotated[float, Field(strict=True, ge=-100.0, le=100.0)]
 
 
 class Inertia(Description):
@@ -51,7 +52,18 @@ class _Component(Description):
     notes: str = text("Where the numbers come from.", default="", max_length=4000)
 
 
-class Rigid(_Component):
+class _Displacing(_Component):
+    bulk_modulus: float | None = quantity(
+        "Stiffness against pressure: V(p) = V (1 - p / K), p the gauge pressure. None means that it keeps its volume.",
+        unit="Pa", symbol="K", ge=1e5, le=1e15, default=None,
+    )  # fmt: skip
+    height: float | None = quantity(
+        "Vertical extent over which its buoyancy fades at the surface; that of a sphere of its volume if not given.",
+        unit="m", symbol="h", gt=0.0, le=100.0, default=None,
+    )  # fmt: skip
+
+
+class Rigid(_Displacing):
     """A part that does not change: fuselage, wing, payload, ballast."""
 
     kind: Literal["rigid"] = text("Which component this is: a rigid part.")
@@ -67,6 +79,14 @@ class _Actuated(_Component):
     lag: float = quantity(
         "Time constant with which the extension follows its command.",
         unit="s", symbol="T", ge=0.0, le=1e5, default=0.0,
+    )  # fmt: skip
+    efficiency: float = quantity(
+        "Share of the energy taken from the battery that becomes work of the actuator.",
+        unit="1", symbol="eta", ge=1e-3, le=1.0, default=1.0,
+    )  # fmt: skip
+    recovery: float = quantity(
+        "Share of the work that the water or weight does on the actuator which returns to the battery.",
+        unit="1", symbol="eta_r", ge=0.0, le=1.0, default=0.0,
     )  # fmt: skip
 
     @model_validator(mode="after")
@@ -118,7 +138,7 @@ class _Stroked(_Actuated):
         return self.neutral_extension
 
 
-class Bellows(_Stroked):
+class Bellows(_Stroked, _Displacing):
     """A pleated cell: V(e) = V_fixed + m_p V_pleat + m_p V_gap + 2 m_p V_d, V_d = (pi/3) l_d (r^2 + r R + R^2).
 
     The frustum height is l_d = e / (2 m_p), so that the stack grows by the extension. `as_printed` keeps the paper's
@@ -161,7 +181,7 @@ class Bellows(_Stroked):
         return 2.0 * mean if self.as_printed else mean
 
 
-class Piston(_Actuated):
+class Piston(_Actuated, _Displacing):
     """A cell whose volume is linear in its extension: V(e) = V_0 + A e, neutral at e = 0.
 
     It needs only name, mass, volume, volume range and position; the stops follow from the range and the area.
@@ -200,7 +220,7 @@ class Piston(_Actuated):
         return 0.0
 
 
-class Bladder(_Actuated):
+class Bladder(_Actuated, _Displacing):
     """A cell whose volume is a measured, monotone table over the extension of its pump (PCHIP between the points)."""
 
     kind: Literal["bladder"] = text("Which component this is: a bladder cell.")
@@ -242,9 +262,56 @@ class Bladder(_Actuated):
 class MovableMass(_Stroked):
     """A mass inside the hull that slides along an axis; its position is that at neutral extension."""
 
-    kind: Literal["movable_mass"] = text("Which component this is: a movable mass.")
+    kind: Literal["movable_mass"] = text("Which component this is: a mass that slides.")
+
+
+class RollingMass(_Actuated):
+    """A mass inside the hull that turns about an axis through a pivot; its position is that at the neutral angle.
+
+    Its extension is the angle about the axis (right-handed), and its inertia turns with it.
+    """
+
+    kind: Literal["rolling_mass"] = text("Which component this is: a mass that rolls about an axis.")
+    pivot: Vector3 = vector(
+        "A point on the axis about which it turns, body axes.", unit="m", symbol="r_p", default=(0.0, 0.0, 0.0)
+    )
+    angle_range: tuple[Angle, Angle] = vector(
+        "Smallest and largest angle: the stops.", unit="rad", symbol="e_min, e_max"
+    )
+    neutral_angle: Angle = quantity(
+        "Angle at which it sits at its stated position.", unit="rad", symbol="e_0", default=0.0
+    )
+    rate_limit: float | None = quantity(
+        "Fastest change of the angle; none means that it follows at once.",
+        unit="rad/s", symbol="e_rate", gt=0.0, le=1e3, default=None,
+    )  # fmt: skip
+
+    @model_validator(mode="after")
+    def _neutral_within_stops(self) -> Self:
+        low, high = self.angle_range
+        if not high - low >= SMALLEST_STROKE:
+            raise ValueError(f"angle_range [{low}, {high}] rad is empty: the first stop must lie below the second")
+        if not low <= self.neutral_angle <= high:
+            raise ValueError(f"neutral_angle {self.neutral_angle} rad lies outside the stops [{low}, {high}] rad")
+        return self
+
+    @property
+    def stroke(self) -> tuple[float, float]:
+        """The stated range of angles, rad."""
+        return self.angle_range
+
+    @property
+    def neutral(self) -> float:
+        """The stated neutral angle, rad."""
+        return self.neutral_angle
 
 
 Cell = Bellows | Piston | Bladder
-Actuated = Cell | MovableMass
-Component = Annotated[Rigid | Bellows | Piston | Bladder | MovableMass, Field(discriminator="kind")]
+Mover = MovableMass | RollingMass
+Actuated = Cell | Mover
+Component = Annotated[Rigid | Bellows | Piston | Bladder | MovableMass | RollingMass, Field(discriminator="kind")]
+
+
+def extension_unit(component: Actuated) -> str:
+    """Return the unit of a component's extension: m, or rad where it rolls."""
+    return "rad" if isinstance(component, RollingMass) else "m"

@@ -12,7 +12,8 @@ from pydantic import Field, ValidationError, model_validator
 
 from models.components import Actuated, Component, Inertia, Rigid
 from models.fields import Description, Vector3, quantity, text, vector
-from models.hydrodynamics import AddedMass, Damping, PolarTable
+from models.hydrodynamic_sources import Hydrodynamics
+from models.hydrodynamics import AddedMass, Damping
 from models.mission import Mission
 from models.problems import DesignError, Problem, problems_from_validation
 
@@ -45,9 +46,13 @@ class Vehicle(Description):
     mass_properties: MassProperties = text(
         "Whether mass, centre of mass and inertia are composed from the components or stated.", default=CompositeMass()
     )
-    hydrodynamics: PolarTable = text("Lift, drag and moment of the whole vehicle.")
+    hydrodynamics: Hydrodynamics = text("Forces and moments of the water on the whole vehicle.")
     added_mass: AddedMass | None = text("Added mass of the whole vehicle.", default=None)
     damping: Damping = text("Linear damping beside the hydrodynamic data.", default=Damping())
+    hotel_power: float = quantity(
+        "Power that electronics and payload draw all the time.",
+        unit="W", symbol="P_hotel", ge=0.0, le=1e6, default=0.0,
+    )  # fmt: skip
 
     @property
     def actuated(self) -> tuple[tuple[int, Actuated], ...]:

@@ -15,7 +15,9 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from models.hydrodynamic_sources import Hydrodynamics
 from models.hydrodynamics import PolarTable
+from models.hydrodynamics_coefficients import CoefficientForm
 from models.problems import DesignError, Problem
 
 QUANTITIES = ("lift", "drag", "moment")
@@ -175,6 +177,44 @@ def build_law(table: PolarTable) -> HydrodynamicLaw:
     law = HydrodynamicLaw(breaks, coefficients, _errors(breaks, coefficients, angles, data))
     _require_positive_drag(table, law)
     return law
+
+
+def coefficient_law(source: CoefficientForm) -> HydrodynamicLaw:
+    """Return lift, drag and moment of the coefficient form without sideslip: one polynomial from -180 to 180 deg.
+
+    Two pieces, so that the one that glides use most begins at zero angle and loses no digits.
+    """
+    at_zero = np.array(
+        [
+            [source.lift_zero, source.lift_attack, 0.0],
+            [source.drag_zero, 0.0, source.drag_attack],
+            [source.pitch_zero, source.pitch_attack, 0.0],
+        ]
+    )
+    coefficients = np.zeros((2, 3, 4))
+    coefficients[1, :, :3] = at_zero
+    for j, row in enumerate(at_zero):
+        moved = Polynomial(row)(Polynomial([-np.pi, 1.0]))
+        coefficients[0, j, : len(moved.coef)] = moved.coef
+    return HydrodynamicLaw(np.array([-np.pi, 0.0, np.pi]), coefficients, ())
+
+
+def law_of(source: Hydrodynamics) -> HydrodynamicLaw | None:
+    """Return a source's law in the angle of attack; None for a table over both angles.
+
+    Raises
+    ------
+    DesignError
+        Where `build_law` does.
+
+    """
+    match source:
+        case PolarTable():
+            return build_law(source)
+        case CoefficientForm():
+            return coefficient_law(source)
+        case _:
+            return None
 
 
 def _errors(breaks: Array, coefficients: Array, angles: Array, data: Array) -> tuple[FitError, ...]:

@@ -6,7 +6,7 @@ Angles of attack are those of the measurement, 0 to 90 deg; `hydrodynamic_law` m
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -25,6 +25,49 @@ class Provenance(Description):
     title: str = text("What the data are, in a few words.", min_length=1, max_length=200)
     source: str = text("Who made them, how and when.", min_length=1, max_length=4000)
     limits: str = text("What they are not: known limits, for every page that shows them.", default="", max_length=4000)
+
+
+def coefficient(description: str, *, unit: str, symbol: str, ge: float = -1e9) -> Any:
+    """Make the field of a coefficient that is 0 unless stated."""
+    return quantity(description, unit=unit, symbol=symbol, ge=ge, le=1e9, default=0.0)
+
+
+class RateTerms(Description):
+    """Forces and moments in body axes by the rates of turning, times V or V^2."""
+
+    scaling: Literal["speed", "speed_squared"] = text(
+        "What the terms are multiplied by: V (strip theory), or V^2 (much of the glider literature); units change "
+        "with it.",
+        default="speed",
+    )
+    heave_pitch: float = coefficient("Force down by pitch rate.", unit="N s2/(m rad)", symbol="Z_q")
+    pitch_pitch: float = coefficient("Pitch moment by pitch rate.", unit="N s2/rad", symbol="M_q")
+    sway_roll: float = coefficient("Force to starboard by roll rate.", unit="N s2/(m rad)", symbol="Y_p")
+    sway_yaw: float = coefficient("Force to starboard by yaw rate.", unit="N s2/(m rad)", symbol="Y_r")
+    roll_roll: float = coefficient("Roll moment by roll rate.", unit="N s2/rad", symbol="K_p")
+    roll_yaw: float = coefficient("Roll moment by yaw rate.", unit="N s2/rad", symbol="K_r")
+    yaw_roll: float = coefficient("Yaw moment by roll rate.", unit="N s2/rad", symbol="N_p")
+    yaw_yaw: float = coefficient("Yaw moment by yaw rate.", unit="N s2/rad", symbol="N_r")
+
+
+class LateralCoefficients(Description):
+    """What a table over the angle of attack lacks in three dimensions: side force, roll and yaw moments, rate terms.
+
+    Y = V^2 (Y_b sin(beta) + Y_bb sin(beta) |sin(beta)|), K and N likewise, about the body origin, plus the rate terms.
+    Written in the sine of the sideslip (v / V), they stay bounded and keep their sense when the glider moves backwards.
+    """
+
+    source: str = text("How the coefficients were found.", min_length=1, max_length=4000)
+    includes_munk_moment: bool = text(
+        "Whether roll and yaw moments already hold the Munk moment; those of strip theory do not.", default=False
+    )
+    sway_sideslip: float = coefficient("Force to starboard by sideslip.", unit="N s2/(m2 rad)", symbol="Y_b")
+    sway_crossflow: float = coefficient("Force to starboard by cross-flow drag.", unit="N s2/m2", symbol="Y_bb")
+    roll_sideslip: float = coefficient("Roll moment by sideslip.", unit="N s2/(m rad)", symbol="K_b")
+    roll_crossflow: float = coefficient("Roll moment by cross-flow drag.", unit="N s2/m", symbol="K_bb")
+    yaw_sideslip: float = coefficient("Yaw moment by sideslip.", unit="N s2/(m rad)", symbol="N_b")
+    yaw_crossflow: float = coefficient("Yaw moment by cross-flow drag.", unit="N s2/m", symbol="N_bb")
+    rates: RateTerms = text("Forces and moments by the rates of turning.", default=RateTerms())
 
 
 class PolarTable(Description):
@@ -48,6 +91,10 @@ class PolarTable(Description):
     )
     includes_munk_moment: bool = text(
         "Whether the moment was measured on the body in a stream, and so already holds the Munk moment.", default=True
+    )
+    lateral: LateralCoefficients | None = text(
+        "Side force, roll and yaw moments and rate terms for the spatial model; without them there are none.",
+        default=None,
     )
     row_speed: tuple[Speed, ...] = vector("Speed of each row.", unit="m/s", symbol="V", max_length=MAX_ROWS)
     row_alpha_deg: tuple[Degrees, ...] = vector(
@@ -125,7 +172,14 @@ class Damping(Description):
     """Linear damping beside the hydrodynamic source, about the body origin in body axes."""
 
     surge: float = quantity("Force per surge velocity.", unit="N s/m", symbol="D_11", ge=0.0, le=1e6, default=0.0)
+    sway: float = quantity("Force per sway velocity.", unit="N s/m", symbol="D_22", ge=0.0, le=1e6, default=0.0)
     heave: float = quantity("Force per heave velocity.", unit="N s/m", symbol="D_33", ge=0.0, le=1e6, default=0.0)
+    roll: float = quantity("Moment per roll rate.", unit="N m s", symbol="D_44", ge=0.0, le=1e6, default=0.0)
     pitch: float = quantity(
         "Moment per pitch rate (the paper's C33).", unit="N m s", symbol="C_33", ge=0.0, le=1e6, default=0.0
     )
+    yaw: float = quantity("Moment per yaw rate.", unit="N m s", symbol="D_66", ge=0.0, le=1e6, default=0.0)
+    matrix: Matrix6 | None = vector(
+        "Full 6x6 matrix that is added to the entries above (spatial model only).",
+        unit="N s/m, N s, N m s", symbol="D", default=None,
+    )  # fmt: skip

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.components import Component, Inertia, MovableMass, Rigid
+from models.components import Component, Inertia, MovableMass, Rigid, RollingMass
 from models.design import DeclaredMass, Design, Vehicle, parse_design
 from models.problems import DesignError, Problem, pointer_to
 from models.volumes import core_volume, grows_along_axis, unit_axis, volume
+from models.water import surface_density
 
 Array = NDArray[np.float64]
 
@@ -48,6 +49,14 @@ def point_inertia(r: Array) -> Array:
     return np.array([[y * y + z * z, -x * y, -x * z], [-x * y, x * x + z * z, -y * z], [-x * z, -y * z, x * x + y * y]])
 
 
+def rotation_about(axis: Array, angle: float) -> Array:
+    """Return the rotation by an angle (rad) about a unit axis (3,), right-handed, (3, 3) (Rodrigues)."""
+    x, y, z = axis
+    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn = np.eye(3) + np.sin(angle) * skew + (1.0 - np.cos(angle)) * (skew @ skew)
+    return np.asarray(turn, dtype=np.float64)
+
+
 def inertia_matrix(inertia: Inertia) -> Array:
     """Return the tensor as a matrix (3, 3), kg m2."""
     return np.array(
@@ -70,7 +79,19 @@ def component_center_of_mass(component: Component, extension: float) -> Array:
     home = np.array(component.center_of_mass or component.position)
     if isinstance(component, MovableMass):
         return np.asarray(home + (extension - component.neutral) * unit_axis(component), dtype=np.float64)
+    if isinstance(component, RollingMass):
+        turn, pivot = rotation_about(unit_axis(component), extension - component.neutral), np.array(component.pivot)
+        return np.asarray(pivot + turn @ (home - pivot), dtype=np.float64)
     return home
+
+
+def component_inertia(component: Component, extension: float) -> Array:
+    """Return a component's inertia about its own centre of mass at an extension, (3, 3) kg m2; it turns with it."""
+    own = inertia_matrix(component.inertia)
+    if not isinstance(component, RollingMass):
+        return own
+    turn = rotation_about(unit_axis(component), extension - component.neutral)
+    return np.asarray(turn @ own @ turn.T, dtype=np.float64)
 
 
 def component_center_of_buoyancy(component: Component, extension: float) -> Array:
@@ -88,7 +109,7 @@ def component_volume_moment(component: Component, extension: float) -> Array:
 
 def _stack_moment(component: Component, extension: float) -> Array:
     """Return the stack's first moment about the component's position, (3,) m4: its centre moves by half its growth."""
-    if isinstance(component, Rigid | MovableMass) or not grows_along_axis(component):
+    if isinstance(component, Rigid | MovableMass | RollingMass) or not grows_along_axis(component):
         return np.zeros(3)
     stack = volume(component, extension) - core_volume(component)
     return np.asarray(0.5 * (extension - component.neutral) * stack * unit_axis(component), dtype=np.float64)
@@ -112,7 +133,7 @@ def mass_balance(vehicle: Vehicle, extensions: Mapping[str, float] | None = None
         r = component_center_of_mass(component, extension)
         mass += component.mass
         mass_moment += component.mass * r
-        inertia += inertia_matrix(component.inertia) + component.mass * point_inertia(r)
+        inertia += component_inertia(component, extension) + component.mass * point_inertia(r)
     center = mass_moment / mass if mass > 0.0 else np.zeros(3)
     inertia = inertia - mass * point_inertia(center)
     declared = vehicle.mass_properties
@@ -158,7 +179,7 @@ def trim_ballast(design: Design, component: str | None = None) -> tuple[Design, 
         raise DesignError([Problem("/vehicle/components", f"there is no rigid component {wanted}", hint="add one")])
     index, body = max(rigid, key=lambda item: item[1].volume)
     balance = mass_balance(vehicle)
-    needed = balance.mass / design.mission.environment.water.density - (balance.volume - body.volume)
+    needed = balance.mass / surface_density(design.mission.environment.water) - (balance.volume - body.volume)
     pointer = pointer_to("vehicle", "components", index, "volume")
     if needed < 0.0:
         raise DesignError(

@@ -29,7 +29,10 @@ class Initial(Description):
         "Angular velocity in body axes.", unit="rad/s", symbol="omega", default=(0.0, 0.0, 0.0)
     )
     extensions: dict[Name, Extension] = vector(
-        "Extensions by component name; those not named start at neutral.", unit="m", symbol="e", default={}
+        "Extensions by component name (angles in rad of a rolling mass); those not named start at neutral.",
+        unit="m",
+        symbol="e",
+        default={},
     )
 
 
@@ -42,7 +45,9 @@ class Control(Description):
 class Solver(Description):
     """How the equations are integrated."""
 
-    model: Literal["planar"] = text("Which equations: in the vertical plane.", default="planar")
+    model: Literal["planar", "spatial"] = text(
+        "Which equations: the paper's, in the vertical plane, or those of six degrees of freedom.", default="planar"
+    )
     method: Literal["adaptive", "rk4"] = text(
         "Adaptive Dormand-Prince 5(4), or the classical Runge-Kutta method at a fixed step.", default="adaptive"
     )
@@ -59,7 +64,7 @@ class Solver(Description):
 class Mission(Description):
     """One glide: where, from which state, with which commands, for how long."""
 
-    environment: Environment = text("The water, gravity and the bed.", default=Environment())
+    environment: Environment = text("The water, its currents, gravity, surface and bed.", default=Environment())
     initial: Initial = text("State at time zero.", default=Initial())
     control: Control = text("Commands to the cells.", default=Control())
     duration: float = quantity("Length of the mission.", unit="s", symbol="t_end", gt=0.0, le=1e8)

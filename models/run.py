@@ -1,10 +1,11 @@
-"""Owns the result of one run: samples on named axes with units, how it ended, and its files."""
+"""Owns the result of one run: samples on named axes with units, how it ended and where, and its files."""
 
 from __future__ import annotations
 
 import csv
 import json
 import platform
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -17,7 +18,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from models.components import extension_unit
 from models.design import Design, loads_design
+from models.variables import CELL_VARIABLES, IN_UNITS_OF_EXTENSION, VARIABLES, About
 
 Array = NDArray[np.float64]
 
@@ -52,50 +55,23 @@ class Event:
         return f"{self.cell or 'the glider'} {what} at {self.time:.3f} s"
 
 
-VARIABLES: dict[str, tuple[str, str]] = {
-    "x": ("m", "distance forward of the body origin"),
-    "z": ("m", "depth of the body origin, down"),
-    "theta": ("rad", "pitch angle, nose up"),
-    "u": ("m/s", "surge velocity, body axes"),
-    "w": ("m/s", "heave velocity, body axes"),
-    "q": ("rad/s", "pitch rate"),
-    "x_dot": ("m/s", "forward velocity, world axes"),
-    "z_dot": ("m/s", "downward velocity, world axes"),
-    "alpha": ("rad", "angle of attack"),
-    "flow_angle": ("rad", "flow angle, atan2(z_dot, x_dot)"),
-    "speed": ("m/s", "speed through the water"),
-    "lift": ("N", "lift, across the flow"),
-    "drag": ("N", "drag, along the flow"),
-    "moment": ("N m", "hydrodynamic pitching moment about the body origin, nose up"),
-    "net_buoyancy": ("N", "buoyancy minus weight, positive up"),
-    "kinetic_energy": ("J", "kinetic energy, with the added mass where it is on"),
-    "potential_energy": ("J", "potential energy of weight and buoyancy"),
-    "actuator_work": ("J", "work of the actuators on the glider since the start"),
-    "water_work": ("J", "work of the water's forces on the glider since the start"),
-    "energy_residual": ("J", "energy that the balance of works does not explain"),
-    "com_x": ("m", "centre of mass, body x"),
-    "com_z": ("m", "centre of mass, body z"),
-    "cob_x": ("m", "centre of buoyancy, body x"),
-    "cob_z": ("m", "centre of buoyancy, body z"),
-}
-"""Unit and meaning of every variable over time."""
+CELL_COLUMN = re.compile(r"command of (?P<cell>.+) \[(?P<unit>m|rad)\]")
 
-CELL_VARIABLES: dict[str, tuple[str, str]] = {
-    "command": ("m", "commanded extension"),
-    "extension": ("m", "extension"),
-    "volume": ("m3", "displaced volume"),
-}
-"""Unit and meaning of every variable over time and cell."""
+
+def _cell_label(name: str, about: About, cell: str, extension_unit: str) -> str:
+    unit = extension_unit if name in IN_UNITS_OF_EXTENSION else about[0]
+    return f"{name} of {cell} [{unit}]"
 
 
 def _attributes(unit: str, meaning: str) -> dict[str, str]:
     return {"units": unit, "long_name": meaning}
 
 
-def _on_axes(times: Array, cells: Sequence[str], variables: dict[str, Any]) -> xr.Dataset:
+def _on_axes(times: Array, cells: Sequence[str], units: Sequence[str], variables: dict[str, Any]) -> xr.Dataset:
     coordinates = {
         "time": ("time", times, _attributes("s", "time since the start of the mission")),
         "cell": ("cell", np.array(cells, dtype=object)),
+        "extension_unit": ("cell", np.array(units, dtype=object), {"long_name": "unit of command and extension"}),
     }
     return xr.Dataset(variables, coordinates)
 
@@ -104,8 +80,9 @@ def _on_axes(times: Array, cells: Sequence[str], variables: dict[str, Any]) -> x
 class Run:
     """One simulated glide.
 
-    `times` (samples,) s; `values` (samples,) by the names of `VARIABLES`; `cell_values` (samples, cells) by those of
-    `CELL_VARIABLES`, its columns in the order of `cells`. `statistics` counts steps and evaluations.
+    `times` (samples,) s; `values` (samples,) by the names of `variables`; `cell_values` (samples, cells) by those of
+    `cell_variables`, its columns in the order of `cells`. `statistics` counts steps and evaluations. `trouble` names
+    the state in which a run that failed went wrong.
     """
 
     design: Design
@@ -117,16 +94,50 @@ class Run:
     events: tuple[Event, ...]
     statistics: dict[str, int | float]
     kernel: str
+    trouble: str | None = None
+
+    @property
+    def model(self) -> str:
+        """Which equations were integrated: planar or spatial."""
+        return self.design.mission.solver.model
+
+    @property
+    def variables(self) -> Mapping[str, About]:
+        """Unit and meaning of every variable over time."""
+        return VARIABLES[self.model]
+
+    @property
+    def cell_variables(self) -> Mapping[str, About]:
+        """Unit and meaning of every variable over time and cell."""
+        return CELL_VARIABLES[self.model]
+
+    @cached_property
+    def extension_units(self) -> tuple[str, ...]:
+        """Unit of each cell's command and extension: m, or rad where it rolls."""
+        units = {part.name: extension_unit(part) for _, part in self.design.vehicle.actuated}
+        return tuple(units[name] for name in self.cells)
+
+    @property
+    def message(self) -> str:
+        """How the run ended, in words; of one that failed also where and why."""
+        if self.status not in (Status.diverged, Status.step_too_small, Status.too_many_steps):
+            return str(self.status.value)
+        last = self.final
+        blame = "" if self.trouble is None else f"; {self.trouble} went wrong first"
+        return (
+            f"{self.status.value} It stopped at t = {last['t']:.6g} s, at z = {last['z']:.4g} m and "
+            f"{last['speed']:.4g} m/s{blame}; what was computed is kept."
+        )
 
     @cached_property
     def data(self) -> xr.Dataset:
         """The samples on the named axes `time` (s) and `cell` (names), units in the attributes."""
         variables: dict[str, Any] = {
-            name: ("time", self.values[name], _attributes(*about)) for name, about in VARIABLES.items()
+            name: ("time", self.values[name], _attributes(*about)) for name, about in self.variables.items()
         }
-        for name, about in CELL_VARIABLES.items():
+        for name, about in self.cell_variables.items():
             variables[name] = (("time", "cell"), self.cell_values[name], _attributes(*about))
-        return _on_axes(self.times, self.cells, variables)
+        return _on_axes(self.times, self.cells, self.extension_units, variables)
 
     def select(self, samples: NDArray[np.intp]) -> Run:
         """Return the run with only some of its samples, by index."""
@@ -140,7 +151,7 @@ class Run:
     @property
     def final(self) -> dict[str, float]:
         """The last sample of every variable over time, by name, and its time `t`."""
-        return {"t": float(self.times[-1])} | {name: float(self.values[name][-1]) for name in VARIABLES}
+        return {"t": float(self.times[-1])} | {name: float(self.values[name][-1]) for name in self.variables}
 
     @property
     def energy_exchanged(self) -> float:
@@ -151,7 +162,9 @@ class Run:
         """
         potential, actuators = self.values["potential_energy"], self.values["actuator_work"]
         released = (potential - potential[0]) - (actuators - actuators[0])
-        parts = (self.values["kinetic_energy"], self.values["water_work"], released)
+        parts = [self.values["kinetic_energy"], self.values["water_work"], released]
+        if self.model == "spatial":
+            parts.append(self.values["bed_work"])
         return float(np.max([np.abs(part).max() for part in parts]))
 
     @property
@@ -177,7 +190,7 @@ class Run:
             "statistics": json.dumps(self.statistics),
             "kernel": self.kernel,
             "processor": platform.machine(),
-        }
+        } | ({} if self.trouble is None else {"trouble": self.trouble})
         buffer = BytesIO()
         self.data.assign_attrs(attributes).to_netcdf(buffer, engine="h5netcdf")
         content = buffer.getvalue()
@@ -201,16 +214,19 @@ class Run:
             raise ValueError(f"{path} is not a run of the glider studio: it lacks {', '.join(sorted(missing))}")
         events = tuple(Event(t, kind, cell) for t, kind, cell in json.loads(a["events"]))
         statistics: dict[str, int | float] = json.loads(a["statistics"])
+        design = loads_design(a["design"])
+        model = design.mission.solver.model
         return cls(
-            design=loads_design(a["design"]),
+            design=design,
             times=data["time"].values,
-            values={name: data[name].values for name in VARIABLES},
+            values={name: data[name].values for name in VARIABLES[model]},
             cells=tuple(str(name) for name in data["cell"].values),
-            cell_values={name: data[name].values for name in CELL_VARIABLES},
+            cell_values={name: data[name].values for name in CELL_VARIABLES[model]},
             status=Status[a["status"]],
             events=events,
             statistics=statistics,
             kernel=str(a["kernel"]),
+            trouble=a.get("trouble"),
         )
 
     def to_csv(self, path: Path | None = None) -> str:
@@ -231,26 +247,27 @@ class Run:
             raise ValueError(f"{path} is not a run of the glider studio: its first column is not 't [s]'")
         table = np.array(rows[1:], dtype=np.float64).reshape(-1, len(rows[0]))
         columns = dict(zip(rows[0], table.T, strict=True))
-        first, unit = next(iter(CELL_VARIABLES.items()))
-        begin, end = f"{first} of ", f" [{unit[0]}]"
-        cells = [name[len(begin) : -len(end)] for name in rows[0] if name.startswith(begin)]
+        found = [match for match in map(CELL_COLUMN.fullmatch, rows[0]) if match]
+        cells, units = [m["cell"] for m in found], [m["unit"] for m in found]
+        model = "spatial" if "y [m]" in columns else "planar"
         variables: dict[str, Any] = {
-            name: ("time", columns[f"{name} [{about[0]}]"], _attributes(*about)) for name, about in VARIABLES.items()
+            name: ("time", columns[f"{name} [{about[0]}]"], _attributes(*about))
+            for name, about in VARIABLES[model].items()
         }
-        for name, about in CELL_VARIABLES.items():
-            stacked = [columns[f"{name} of {cell} [{about[0]}]"] for cell in cells]
-            values = np.column_stack(stacked) if stacked else np.zeros((len(table), 0))
+        for name, about in CELL_VARIABLES[model].items():
+            labels = [_cell_label(name, about, cell, unit) for cell, unit in zip(cells, units, strict=True)]
+            values = np.column_stack([columns[label] for label in labels]) if labels else np.zeros((len(table), 0))
             variables[name] = (("time", "cell"), values, _attributes(*about))
-        return _on_axes(columns["t [s]"], cells, variables)
+        return _on_axes(columns["t [s]"], cells, units, variables)
 
     def _flat_columns(self) -> tuple[list[Any], list[str]]:
         columns, header = [self.times], ["t [s]"]
-        for name, (unit, _) in VARIABLES.items():
+        for name, (unit, _) in self.variables.items():
             columns.append(self.values[name])
             header.append(f"{name} [{unit}]")
-        for name, (unit, _) in CELL_VARIABLES.items():
+        for name, about in self.cell_variables.items():
             for k, cell in enumerate(self.cells):
                 columns.append(self.cell_values[name][:, k])
-                label = f"{name} of {cell} [{unit}]"
+                label = _cell_label(name, about, cell, self.extension_units[k])
                 header.append('"' + label.replace('"', '""') + '"' if any(c in label for c in ',"') else label)
         return columns, header

@@ -7,10 +7,16 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from models.hydrodynamics import PolarTable
+from models.hydrodynamics_angles import AngleTable
+from models.hydrodynamics_coefficients import CoefficientForm
 from models.problems import Problem
 from models.run import Run
+from models.water import profile_range
 
 POINTER = "/vehicle/hydrodynamics"
+SLOWEST = 1e-3
+"""Below this speed (m/s) the direction of the flow means nothing."""
 LARGEST_RESIDUAL = 1e-3
 """Share of the energy exchanged above which a run is not to be trusted."""
 
@@ -35,8 +41,19 @@ def inaccurate(run: Run) -> Iterator[Problem]:
 
 
 def outside_data(run: Run) -> Iterator[Problem]:
-    """Yield a warning for each way in which samples left the data: angle of attack past 90 deg, speed off the range."""
-    table = run.design.vehicle.hydrodynamics
+    """Yield a warning for each way in which samples left the data that forces and water come from."""
+    match run.design.vehicle.hydrodynamics:
+        case PolarTable() as source:
+            yield from _outside_polar(run, source)
+        case AngleTable() as source:
+            yield from _outside_angles(run, source)
+        case CoefficientForm() as source:
+            yield from _outside_coefficients(run, source)
+    if run.model == "spatial":
+        yield from _outside_water(run)
+
+
+def _outside_polar(run: Run, table: PolarTable) -> Iterator[Problem]:
     speed, moving = run.values["speed"], run.values["speed"] > 0.0
     past = np.abs(run.values["alpha"]) > np.pi / 2
     if past.any():
@@ -57,6 +74,55 @@ def outside_data(run: Run) -> Iterator[Problem]:
                 f"{POINTER}/row_speed",
                 f"{_share(off)} of the run is {what} the data's {bound:g} m/s: coefficients are held there",
                 limit=bound,
+            )
+
+
+def _outside_angles(run: Run, table: AngleTable) -> Iterator[Problem]:
+    slips = (-table.beta_deg[-1] if table.mirrored else table.beta_deg[0], table.beta_deg[-1])
+    for name, field, (low, high) in (
+        ("alpha", "alpha_deg", (table.alpha_deg[0], table.alpha_deg[-1])),
+        ("beta", "beta_deg", slips),
+    ):
+        yield from _outside_angle(run, name, field, (low, high), "the forces of its edge are held")
+
+
+def _outside_coefficients(run: Run, source: CoefficientForm) -> Iterator[Problem]:
+    for name, limit in (("alpha", source.alpha_limit_deg), ("beta", source.beta_limit_deg)):
+        if name in run.values:
+            yield from _outside_angle(run, name, f"{name}_limit_deg", (-limit, limit), "the formulas go on")
+
+
+def _outside_angle(run: Run, name: str, field: str, bounds: tuple[float, float], rule: str) -> Iterator[Problem]:
+    angle = np.rad2deg(run.values[name])
+    moving = run.values["speed"] > SLOWEST
+    off = moving & ((angle < bounds[0] - 1e-9) | (angle > bounds[1] + 1e-9))
+    if off.any():
+        what = {"alpha": "angles of attack", "beta": "sideslips"}[name]
+        worst = angle[off][np.abs(angle[off]).argmax()]
+        yield Problem(
+            f"{POINTER}/{field}",
+            f"{_share(off)} of the run is outside the {what} of the data, {bounds[0]:g} to {bounds[1]:g} deg "
+            f"(at worst {worst:.0f} deg): {rule}",
+            limit=bounds[1],
+        )
+
+
+def _outside_water(run: Run) -> Iterator[Problem]:
+    environment, z = run.design.mission.environment, run.values["z"]
+    tables = (
+        ("water", "water", profile_range(environment.water)),
+        ("current", "current", getattr(environment.current, "depths", None)),
+    )
+    for field, what, depths in tables:
+        if depths is None:
+            continue
+        below = z > depths[-1]
+        if below.any():
+            yield Problem(
+                f"/mission/environment/{field}/depths",
+                f"{_share(below)} of the run is below the deepest level of the {what} at {depths[-1]:g} m (down to "
+                f"{z.max():.4g} m): its values are held there",
+                limit=depths[-1],
             )
 
 

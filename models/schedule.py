@@ -15,7 +15,7 @@ class SchedulePoint(Description):
     """One point of a schedule: the command reaches `extension` at `time`, by a step or by a ramp."""
 
     time: float = quantity("Time since the start of the mission.", unit="s", symbol="t", ge=0.0, le=1e9)
-    extension: Extension = quantity("Commanded extension.", unit="m", symbol="e_cmd")
+    extension: Extension = quantity("Commanded extension (angle in rad of a rolling mass).", unit="m", symbol="e_cmd")
     shape: Literal["step", "ramp"] = text(
         "How the command comes from the point before: it jumps at this time, or runs linearly up to it.",
         default="step",

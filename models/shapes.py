@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -55,6 +56,30 @@ class WingShape(_Placed):
     thickness: float = quantity("Thickness.", unit="m", symbol="t", gt=0.0, le=10.0, default=0.004)
 
 
+class FinShape(_Placed):
+    """One flat panel with straight edges, outward from its root; `offset` is the middle of the root chord."""
+
+    kind: Literal["fin"] = text("Which shape this is: a fin.")
+    span: float = quantity("Span from root to tip.", unit="m", symbol="b", gt=0.0, le=100.0)
+    chord: float = quantity("Chord at the root.", unit="m", symbol="c", gt=0.0, le=50.0)
+    tip_chord: float | None = quantity(
+        "Chord at the tip; the root's if not given.", unit="m", symbol="c_t", gt=0.0, le=50.0, default=None
+    )
+    sweep: float = quantity(
+        "How far the tip's leading edge lies behind the root's.", unit="m", symbol="s", ge=-50.0, le=50.0, default=0.0
+    )
+    thickness: float = quantity("Thickness.", unit="m", symbol="t", gt=0.0, le=10.0, default=0.004)
+    direction: Vector3 = vector(
+        "Direction from root to tip, across the body x axis.", unit="1", symbol="d", default=(0.0, 0.0, -1.0)
+    )
+
+    @model_validator(mode="after")
+    def _points_across(self) -> Self:
+        if math.hypot(*self.direction[1:]) < 1e-9:
+            raise ValueError("direction of a fin must lead away from the body x axis: give a vector such as [0, 0, -1]")
+        return self
+
+
 class BellowsShape(_Placed):
     """A pleated body along the cell's axis, drawn at its neutral length and stretched as the cell extends."""
 
@@ -65,4 +90,4 @@ class BellowsShape(_Placed):
     pleats: int = quantity("Number of pleats drawn.", unit="1", symbol="m_p", ge=1, le=200)
 
 
-Shape = Annotated[HullShape | CylinderShape | WingShape | BellowsShape, Field(discriminator="kind")]
+Shape = Annotated[HullShape | CylinderShape | WingShape | FinShape | BellowsShape, Field(discriminator="kind")]

@@ -11,19 +11,29 @@ from numpy.typing import NDArray
 from models.assemble import Assembly, assemble
 from models.design import Design
 from models.kernel import KERNEL_HASH
+from models.kernel import outputs as planar
+from models.kernel import spatial_outputs as spatial
 from models.kernel.integrate import CANCEL, PROGRESS, integrate
-from models.kernel.outputs import COLUMNS, outputs
-from models.kernel.params import EXTENSIONS, make_record, make_work
+from models.kernel.params import make_record, make_work
 from models.limits import DEFAULT_LIMITS, Limits
 from models.run import Event, Run, Status
 
+Array = NDArray[np.float64]
 STATUS_BY_CODE = (
     Status.completed, Status.surface, Status.bed, Status.diverged,
     Status.step_too_small, Status.too_many_steps, Status.cancelled,
 )  # fmt: skip
 EVENT_KINDS = {1: "surface", 2: "bed", 3: "end_of_stroke"}
 MAX_EVENTS = 1000
-STATES = ("x", "z", "theta", "u", "w", "q", "actuator_work", "water_work")
+STATES = {
+    "planar": ("x", "z", "theta", "u", "w", "q", "actuator_work", "water_work"),
+    "spatial": (
+        "x", "y", "z", "q0", "q1", "q2", "q3", "u", "v", "w", "p", "q", "r",
+        "actuator_work", "water_work", "bed_work",
+    ),
+}  # fmt: skip
+"""Names of the states before the extensions."""
+FAILED = (Status.diverged, Status.step_too_small)
 
 
 class Control:
@@ -69,25 +79,49 @@ def run_assembly(assembly: Assembly, *, limits: Limits = DEFAULT_LIMITS, control
     counts = record.counts
     samples = int(counts[0])
     times, states = record.times[:samples], record.states[:samples]
-    columns = np.zeros((samples, len(COLUMNS)))
-    commands, volumes = (np.zeros((samples, len(assembly.cells))) for _ in range(2))
-    outputs(times, states, p, columns, commands, volumes)
+    values, cells = _second_pass(assembly, times, states)
     statistics: dict[str, int | float] = {
         "steps": int(counts[2]),
         "rejected_steps": int(counts[3]),
         "evaluations": int(counts[4]),
         "elapsed": time.perf_counter() - began,
     }
-    values = dict(zip(STATES, states[:, :EXTENSIONS].T, strict=True)) | dict(zip(COLUMNS, columns.T, strict=True))
-    cells = {"command": commands, "extension": states[:, EXTENSIONS:], "volume": volumes}
+    status = STATUS_BY_CODE[code]
     return Run(
-        design=design, times=times, values=values, cells=assembly.cells, cell_values=cells,
-        status=STATUS_BY_CODE[code], events=_events(record.events[: counts[1]], assembly.cells),
-        statistics=statistics, kernel=KERNEL_HASH,
+        design=design, times=times, values=values, cells=assembly.cells, cell_values=cells, status=status,
+        events=_events(record.events[: counts[1]], assembly.cells), statistics=statistics, kernel=KERNEL_HASH,
+        trouble=_state_name(assembly, int(counts[5])) if status in FAILED else None,
     )  # fmt: skip
 
 
-def _events(rows: NDArray[np.float64], cells: tuple[str, ...]) -> tuple[Event, ...]:
+def _second_pass(assembly: Assembly, times: Array, states: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return every variable over time, and every one over time and cell, from the saved states."""
+    solver, parts = assembly.design.mission.solver, len(assembly.cells)
+    names, second = STATES[solver.model], spatial if solver.model == "spatial" else planar
+    columns = np.zeros((len(times), len(second.COLUMNS)))
+    commands, volumes = (np.zeros((len(times), parts)) for _ in range(2))
+    if solver.model == "spatial":
+        spatial.spatial_outputs(times, states, assembly.params, columns, commands, volumes)
+    else:
+        planar.outputs(times, states, assembly.params, columns, commands, volumes)
+    first = len(names)
+    values = dict(zip(names, states[:, :first].T, strict=True)) | dict(zip(second.COLUMNS, columns.T, strict=True))
+    cells = {"command": commands, "extension": states[:, first : first + parts], "volume": volumes}
+    if solver.model == "spatial":
+        cells["energy"] = states[:, first + parts :]
+        values["battery_energy"] = cells["energy"].sum(axis=1) + assembly.design.vehicle.hotel_power * times
+    return values, cells
+
+
+def _state_name(assembly: Assembly, index: int) -> str:
+    names = STATES[assembly.design.mission.solver.model]
+    if index < len(names):
+        return names[index]
+    what = ("the extension", "the energy")[(index - len(names)) // len(assembly.cells)]
+    return f"{what} of '{assembly.cells[(index - len(names)) % len(assembly.cells)]}'"
+
+
+def _events(rows: Array, cells: tuple[str, ...]) -> tuple[Event, ...]:
     return tuple(
         Event(float(t), EVENT_KINDS[int(kind)], cells[int(part)] if part >= 0 else None) for t, kind, part in rows
     )

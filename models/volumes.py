@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from models.components import Actuated, Bellows, Bladder, Component, MovableMass, Piston, Rigid
+from models.components import Actuated, Bellows, Bladder, Component, MovableMass, Piston, Rigid, RollingMass
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ def volume_law(component: Actuated) -> Array:
         case Bladder():
             cubic = PchipInterpolator(component.extensions, component.volumes)
             return np.column_stack([cubic.x[:-1], cubic.c[::-1].T])
-        case MovableMass():
+        case MovableMass() | RollingMass():
             return np.zeros((1, 5))
 
 
@@ -40,7 +40,7 @@ def core_volume(component: Actuated) -> float:
             return component.core_volume
         case Piston():
             return component.volume
-        case Bladder() | MovableMass():
+        case Bladder() | MovableMass() | RollingMass():
             return 0.0
 
 

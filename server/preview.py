@@ -12,7 +12,7 @@ from models.assemble import assemble
 from models.design import Design
 from models.limits import Limits
 from models.problems import DesignError, Problem, pointer_to
-from models.run import CELL_VARIABLES, VARIABLES, Run, Status
+from models.run import Run, Status
 from models.run_warnings import run_warnings
 from models.simulate import Control, run_assembly
 from models.warm import kernel_is_ready, warm_kernel
@@ -64,7 +64,7 @@ def run_preview(design: Design, settings: Settings, control: Control) -> Preview
         run = run_assembly(assembly, limits=limits, control=control)
     finally:
         timer.cancel()
-    message = run.status.value
+    message = run.message
     if run.status is Status.cancelled and out_of_time.is_set():
         message = (
             f"The preview was stopped after {settings.preview_seconds:g} s of computing, at t = "
@@ -95,16 +95,16 @@ def thinned(run: Run, max_points: int | None) -> Run:
     """Return a run with at most `max_points` samples that keep the extremes of every variable over time."""
     if max_points is None or len(run.times) <= max_points:
         return run
-    series = [run.values[name] for name in VARIABLES]
-    series += [column for name in CELL_VARIABLES for column in run.cell_values[name].T]
+    series = [run.values[name] for name in run.variables]
+    series += [column for name in run.cell_variables for column in run.cell_values[name].T]
     return run.select(choose_samples(series, max_points))
 
 
 def as_mapping(preview: PreviewRun, columns: Sequence[str], max_points: int | None) -> dict[str, Any]:
     """Return a run as plain values: samples of the columns that were asked for, with their extremes."""
     run = preview.run
-    series = {name: run.values[name] for name in VARIABLES if name in columns}
-    of_cells = {name: run.cell_values[name] for name in CELL_VARIABLES if name in columns}
+    series = {name: run.values[name] for name in run.variables if name in columns}
+    of_cells = {name: run.cell_values[name] for name in run.cell_variables if name in columns}
     shown = [*series.values(), *(column for table in of_cells.values() for column in table.T)]
     times = run.times
     samples = choose_samples(shown or [times], max_points or DEFAULT_POINTS)
@@ -112,10 +112,11 @@ def as_mapping(preview: PreviewRun, columns: Sequence[str], max_points: int | No
         "status": run.status.name,
         "message": preview.message,
         "events": [{"time": e.time, "kind": e.kind, "cell": e.cell, "label": str(e)} for e in run.events],
-        "units": {"t": "s"} | _units(VARIABLES, series) | _units(CELL_VARIABLES, of_cells),
+        "units": {"t": "s"} | _units(run.variables, series) | _units(run.cell_variables, of_cells),
         "columns": {"t": times[samples].tolist()} | {name: values[samples].tolist() for name, values in series.items()},
         "cells": [
-            {"name": cell} | {name: table[samples, j].tolist() for name, table in of_cells.items()}
+            {"name": cell, "unit": run.extension_units[j]}
+            | {name: table[samples, j].tolist() for name, table in of_cells.items()}
             for j, cell in enumerate(run.cells)
         ],
         "final": run.final,

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
 
 from models.design import Design
-from models.run import CELL_VARIABLES, VARIABLES
+from models.variables import ALL_CELL_VARIABLES, ALL_VARIABLES
 from server.editing import MAX_OPERATIONS
 
 DESIGN_REF = {"$ref": "#/components/schemas/Design"}
@@ -15,7 +15,7 @@ DESIGN_REF = {"$ref": "#/components/schemas/Design"}
 DesignDocument = Annotated[Any, WithJsonSchema({"allOf": [DESIGN_REF]})]
 """A design document that is read by `documents.read_request`, with its own messages."""
 MOST_POINTS = 100_000
-COLUMN_NAMES = (*VARIABLES, *CELL_VARIABLES)
+COLUMN_NAMES = (*ALL_VARIABLES, *ALL_CELL_VARIABLES)
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
@@ -209,9 +209,13 @@ class CellColumns(Wire):
     """What one cell did; entries match the times in columns.t."""
 
     name: str = Field(description="Name of the component.")
-    command: list[float | None] | None = Field(default=None, description="Commanded extension, m.")
-    extension: list[float | None] | None = Field(default=None, description="Extension, m.")
+    unit: str = Field(description="Unit of command and extension: m, or rad where it rolls.")
+    command: list[float | None] | None = Field(default=None, description="Commanded extension.")
+    extension: list[float | None] | None = Field(default=None, description="Extension.")
     volume: list[float | None] | None = Field(default=None, description="Displaced volume, m3.")
+    energy: list[float | None] | None = Field(
+        default=None, description="Energy taken from the battery, J (spatial model)."
+    )
 
 
 class EnergyBalance(Wire):

@@ -14,6 +14,7 @@ from models.mass_properties import (
 )
 from models.problems import Problem
 from models.volumes import volume
+from models.water import gravity_of, surface_density
 from server.schemas import ComponentMass, ErrorItem, MassProperties
 
 
@@ -28,7 +29,7 @@ def weigh(design: Design, extensions: Mapping[str, float] | None = None) -> Mass
         inertia=balance.inertia.tolist(),
         volume=balance.volume,
         center_of_buoyancy=balance.center_of_buoyancy.tolist(),
-        net_buoyancy=balance.net_buoyancy(environment.water.density, environment.gravity),
+        net_buoyancy=balance.net_buoyancy(surface_density(environment.water), gravity_of(environment)),
         components=[
             ComponentMass(
                 name=component.name,

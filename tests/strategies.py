@@ -12,6 +12,7 @@ from models.assemble import Assembly
 from models.design import Design, parse_design
 from models.mass_properties import mass_balance
 
+RATE_SCALINGS = ("speed", "speed_squared", "none")
 KINDS = ("rigid", "bellows", "piston", "bladder", "movable_mass")
 CELL_VOLUME = 1e-4
 """Largest volume of a random cell, m3: the body's, at least ten times that, can always balance seven of them."""
@@ -234,3 +235,133 @@ def states(draw: st.DrawFn, assembly: Assembly) -> np.ndarray:
     strokes = [part.stroke for _, part in assembly.design.vehicle.actuated]
     extensions = [draw(between(*stroke)) for stroke in strokes]
     return np.array([*motion, 0.0, 0.0, *extensions])
+
+
+@st.composite
+def coefficients(draw: st.DrawFn) -> dict[str, Any]:
+    """A coefficient form in which every term counts."""
+    free = {
+        name: draw(numbers(-2.0, 2.0))
+        for name in (
+            "side_sideslip", "lift_zero", "lift_attack", "roll_sideslip", "roll_rate", "pitch_zero", "pitch_attack",
+            "pitch_rate", "pitch_rate_square", "yaw_sideslip", "yaw_rate",
+        )
+    }  # fmt: skip
+    return free | {
+        "kind": "coefficients", "provenance": {"title": "Made up", "source": "Random numbers for tests."},
+        "reference_density": draw(st.sampled_from([1000.0, 1025.0])), "reference_point": draw(points(0.05)),
+        "includes_munk_moment": draw(st.booleans()), "rate_scaling": draw(st.sampled_from(RATE_SCALINGS)),
+        "drag_zero": draw(numbers(0.5, 2.0)), "drag_attack": draw(numbers(0.0, 5.0)),
+        "drag_sideslip": draw(numbers(0.0, 5.0)),
+    }  # fmt: skip
+
+
+@st.composite
+def laterals(draw: st.DrawFn) -> dict[str, Any]:
+    names = (
+        "sway_sideslip", "sway_crossflow", "roll_sideslip", "roll_crossflow", "yaw_sideslip", "yaw_crossflow",
+    )  # fmt: skip
+    rates = ("heave_pitch", "pitch_pitch", "sway_roll", "sway_yaw", "roll_roll", "roll_yaw", "yaw_roll", "yaw_yaw")
+    return {
+        "source": "Random numbers for tests.", "includes_munk_moment": draw(st.booleans()),
+        **{name: draw(numbers(-2.0, 2.0)) for name in names},
+        "rates": {"scaling": draw(st.sampled_from(RATE_SCALINGS[:2])), **{n: draw(numbers(-1.0, 1.0)) for n in rates}},
+    }  # fmt: skip
+
+
+def points(reach: float) -> st.SearchStrategy[list[float]]:
+    """Any point of the body within `reach` (m) of the origin along each axis."""
+    return st.lists(numbers(-reach, reach), min_size=3, max_size=3)
+
+
+@st.composite
+def spatial_components(draw: st.DrawFn, name: str) -> dict[str, Any]:
+    """One ideal component anywhere in the body: cells with compression, masses that slide or roll."""
+    kind = draw(st.sampled_from([*KINDS, "rolling_mass"]))
+    if kind == "rolling_mass":
+        return {
+            "kind": kind, "name": name, "mass": draw(numbers(0.05, 0.3)), "position": draw(points(0.1)),
+            "pivot": draw(points(0.05)), "axis": [1.0, draw(numbers(-1.0, 1.0)), draw(numbers(-1.0, 1.0))],
+            "inertia": draw(inertias()), "angle_range": [-2.0, 2.0], "neutral_angle": draw(numbers(-1.0, 1.0)),
+        }  # fmt: skip
+    part = draw(components(name, kind, ideal=True)) | {"position": draw(points(0.2))}
+    if "axis" in part:
+        part["axis"] = [1.0, draw(numbers(-1.0, 1.0)), draw(numbers(-1.0, 1.0))]
+    if kind != "movable_mass":
+        part["bulk_modulus"] = draw(st.none() | numbers(2e6, 2e8))
+    return part
+
+
+def currents() -> st.SearchStrategy[dict[str, Any] | None]:
+    """Still water, a uniform, a sheared or a tabulated current."""
+    pair = st.lists(numbers(-0.3, 0.3), min_size=2, max_size=2)
+    shear = st.lists(numbers(-0.02, 0.02), min_size=2, max_size=2)
+    profile = st.lists(numbers(-0.3, 0.3), min_size=4, max_size=4)
+    return (
+        st.none()
+        | st.builds(lambda v: {"kind": "uniform", "velocity": v}, pair)
+        | st.builds(lambda v, s: {"kind": "sheared", "surface_velocity": v, "shear": s}, pair, shear)
+        | st.builds(
+            lambda x, y: {"kind": "tabulated", "depths": [2.0, 6.0, 15.0, 30.0], "north": [x], "east": [y]},
+            profile, profile,
+        )
+    )  # fmt: skip
+
+
+@st.composite
+def spatial_designs(draw: st.DrawFn, *, most: int = 6, source: str | None = None) -> Design:
+    """Designs for the spatial model with ideal actuators: everything off its plane of symmetry."""
+    body = {
+        "kind": "rigid", "name": "Body", "mass": draw(numbers(1.0, 3.0)), "position": draw(points(0.02)),
+        "center_of_mass": draw(points(0.02)), "volume": draw(numbers(1e-3, 3e-3)),
+        "inertia": draw(inertias()) | {"xy": 1e-4, "yz": -1e-4},
+    }  # fmt: skip
+    count = draw(st.integers(0, most - 1))
+    source = source or draw(st.sampled_from(["polar", "coefficients"]))
+    forces = draw(coefficients()) if source == "coefficients" else draw(hydrodynamics()) | {"lateral": draw(laterals())}
+    damping = np.diag([0.3, 0.4, 0.5, 0.02, 0.03, 0.04]) + 0.01
+    declared = {
+        "kind": "declared", "mass": draw(numbers(0.5, 3.0)), "center_of_mass": draw(points(0.02)),
+        "inertia": {"xx": 0.02, "yy": 0.03, "zz": 0.04, "xy": 1e-3, "xz": -2e-3, "yz": 1e-3},
+    }  # fmt: skip
+    return parse_design({
+        "format": "glider-design", "version": 1, "name": "Random in space",
+        "vehicle": {
+            "components": [body, *(draw(spatial_components(f"Part {i}")) for i in range(count))],
+            "mass_properties": draw(st.sampled_from([{"kind": "composite"}, {"kind": "composite"}, declared])),
+            "hydrodynamics": forces,
+            "added_mass": draw(added_masses()),
+            "damping": {"yaw": 0.01, "matrix": draw(st.sampled_from([None, damping.tolist()]))},
+        },
+        "mission": {
+            "environment": {
+                "water": draw(waters()), "current": draw(currents()), "gravity": 9.81,
+                "surface": draw(st.sampled_from(["end", "float"])),
+            },
+            "initial": {"position": [0.0, 0.0, draw(numbers(1.0, 20.0))], "velocity": [0.3, 0.05, 0.1]},
+            "duration": 3.0,
+            "solver": {"model": "spatial"},
+        },
+    })  # fmt: skip
+
+
+@st.composite
+def waters(draw: st.DrawFn) -> dict[str, Any]:
+    """Water of one density, or a stratified one."""
+    if draw(st.booleans()):
+        return {"density": draw(st.sampled_from([998.0, 1025.0]))}
+    steps = draw(st.lists(numbers(0.0, 3.0), min_size=4, max_size=4))
+    densities = [float(v) for v in 998.0 + np.cumsum(steps)]
+    return {"kind": "density_profile", "depths": [1.0, 5.0, 20.0, 60.0], "densities": densities}
+
+
+@st.composite
+def spatial_states(draw: st.DrawFn, assembly: Assembly) -> np.ndarray:
+    """A state of a spatial design: any attitude and motion, extensions anywhere within the stops."""
+    attitude = np.array(draw(st.lists(numbers(-1.0, 1.0), min_size=4, max_size=4)))
+    attitude = attitude / np.linalg.norm(attitude) if np.linalg.norm(attitude) > 0.1 else np.array([1.0, 0, 0, 0])
+    place = [draw(numbers(-50.0, 50.0)), draw(numbers(-50.0, 50.0)), draw(numbers(-0.1, 0.3) | numbers(1.0, 50.0))]
+    motion = [draw(numbers(-1.0, 1.0)) for _ in range(6)]
+    parts = [part for _, part in assembly.design.vehicle.actuated]
+    extensions = [draw(between(*part.stroke)) for part in parts]
+    return np.array([*place, *attitude, *motion, 0.0, 0.0, 0.0, *extensions, *np.zeros(len(parts))])

@@ -144,13 +144,23 @@ def lag_corner(gap, slope, rate, lag):
     return lag * math.log((tends_to - gap) / (tends_to - math.copysign(edge, slope)))
 
 
+@inlined
+def next_current_time(t, p):
+    """Return the next time at which the current has a corner; infinity if there is none."""
+    for j in range(p.current_times.shape[0]):
+        if p.current_times[j] > t + SAME_TIME * max(1.0, abs(t)):
+            return p.current_times[j]
+    return math.inf
+
+
 @compiled
 def begin_segment(t, y, p, drive):
     """Set how every part moves from time t on, and return when that ends (infinity if never).
 
     A part without rate limit and lag is put on its command here, so `y` may jump.
     """
-    end = math.inf
+    end = next_current_time(t, p)
+    first = p.space[0].extensions
     for i in range(p.parts.shape[0]):
         part = p.parts[i]
         k = command_row(part, t, p)
@@ -158,7 +168,7 @@ def begin_segment(t, y, p, drive):
             end = min(end, p.commands[k + 1, 0])
         slope = p.commands[k, 2]
         target = command(part, t, p)
-        gap = target - y[EXTENSIONS + i]
+        gap = target - y[first + i]
         d = drive[i]
         d[TARGET], d[SLOPE], d[START] = target, slope, t
         reach = 1e-10 * (part.stop_high - part.stop_low) + (0.0 if math.isinf(part.rate) else 1e-9 * part.rate)
@@ -167,7 +177,7 @@ def begin_segment(t, y, p, drive):
             end = min(end, t + max(lag_corner(gap, slope, part.rate, 1.0 / part.inverse_lag), 1e-9))
         elif math.isinf(part.rate) or (abs(gap) <= reach and abs(slope) <= part.rate):
             d[MODE], d[RATE] = STEADY, slope
-            y[EXTENSIONS + i] = target
+            y[first + i] = target
         else:
             toward = gap if abs(gap) > reach else slope
             d[MODE], d[RATE] = STEADY, math.copysign(part.rate, toward)

@@ -1,9 +1,8 @@
-"""Owns events: the body origin reaches the surface or the bed (these end a run), or a part reaches a stop."""
+"""Owns events: the body origin reaches the surface or the bed, which may end a run, or a part reaches a stop."""
 
 from __future__ import annotations
 
-from models.kernel.jit import compiled, inlined
-from models.kernel.params import EXTENSIONS, Z
+from models.kernel.jit import compiled, internal
 from models.kernel.step import interpolate_one, make_dense
 
 NOTHING, SURFACE, BED, STOP = range(4)
@@ -15,55 +14,72 @@ STOP_SHARE = 1e-6
 """A part has reached a stop within this share of its stroke: a lagging part only ever tends to its command."""
 
 
-@inlined
+@internal
 def distance_to(kind, z, p):
     """Return how far the event is away, m; negative once it has happened."""
-    return z + SURFACE_SLACK if kind == SURFACE else p.body[0].bed_depth - z
+    s = p.space[0]
+    return z - s.surface_level + SURFACE_SLACK if kind == SURFACE else s.bed_depth - z
 
 
-@inlined
-def event_due(y, y1, p):
-    """Whether the body origin crosses the surface or the bed between two states."""
-    return (y1[Z] < -SURFACE_SLACK and y[Z] >= -SURFACE_SLACK) or (
-        y1[Z] > p.body[0].bed_depth and y[Z] <= p.body[0].bed_depth
+@internal
+def event_due(y, y1, p, work):
+    """Whether the body origin meets the surface or the bed between two states; after a meeting it must first leave."""
+    s = p.space[0]
+    z = y1[s.depth]
+    if z >= s.rearm_level:
+        work.armed[0] = 1
+    if z <= s.bed_depth - s.rearm_level:
+        work.armed[1] = 1
+    return (work.armed[0] == 1 and distance_to(SURFACE, z, p) < 0.0 and distance_to(SURFACE, y[s.depth], p) >= 0.0) or (
+        work.armed[1] == 1 and distance_to(BED, z, p) < 0.0 and distance_to(BED, y[s.depth], p) >= 0.0
     )
+
+
+@internal
+def ends_run(kind, p):
+    """Whether an event ends the run."""
+    return (p.space[0].surface_ends if kind == SURFACE else p.space[0].bed_ends) != 0
 
 
 @compiled
 def find_event(pair, h, y, p, work):
     """Return the kind of the event within the step from y to `work.y1`, and at which fraction of it that happens."""
-    kind = SURFACE if work.y1[Z] < -SURFACE_SLACK else BED
+    z = p.space[0].depth
+    kind = SURFACE if distance_to(SURFACE, work.y1[z], p) < 0.0 else BED
+    work.armed[0 if kind == SURFACE else 1] = 0
     make_dense(pair, h, y, work)
     low, high = 0.0, 1.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if distance_to(kind, interpolate_one(middle, y, work.dense, Z), p) < 0.0:
+        if distance_to(kind, interpolate_one(middle, y, work.dense, z), p) < 0.0:
             high = middle
         else:
             low = middle
     return kind, high
 
 
-@inlined
+@internal
 def stop_side(e, part):
     """Return -1 or 1 where the extension is at the lower or upper stop, else 0."""
     slack = STOP_SHARE * (part.stop_high - part.stop_low)
     return -1 if e <= part.stop_low + slack else (1 if e >= part.stop_high - slack else 0)
 
 
-@inlined
+@internal
 def note_stops(y, p, work):
     """Note where the parts are, without an event."""
+    first = p.space[0].extensions
     for i in range(p.parts.shape[0]):
-        work.at_stop[i] = stop_side(y[EXTENSIONS + i], p.parts[i])
+        work.at_stop[i] = stop_side(y[first + i], p.parts[i])
 
 
-@inlined
+@internal
 def stop_is_new(y, p, work):
     """Whether some part's place at its stops differs from the noted one."""
     changed = False
+    first = p.space[0].extensions
     for i in range(p.parts.shape[0]):
-        changed |= stop_side(y[EXTENSIONS + i], p.parts[i]) != work.at_stop[i]
+        changed |= stop_side(y[first + i], p.parts[i]) != work.at_stop[i]
     return changed
 
 
@@ -73,13 +89,14 @@ def scan_stops(t, h, y, y1, p, work, record):
 
     With h = 0 the states are the same instant; else `work.dense` must hold the step's polynomial.
     """
+    first = p.space[0].extensions
     for i in range(p.parts.shape[0]):
-        side = stop_side(y1[EXTENSIONS + i], p.parts[i])
+        side = stop_side(y1[first + i], p.parts[i])
         if side != 0 and side != work.at_stop[i]:
             low, high = 0.0, 1.0
             for _ in range(50 if h > 0.0 else 0):
                 middle = 0.5 * (low + high)
-                if stop_side(interpolate_one(middle, y, work.dense, EXTENSIONS + i), p.parts[i]) == side:
+                if stop_side(interpolate_one(middle, y, work.dense, first + i), p.parts[i]) == side:
                     high = middle
                 else:
                     low = middle
@@ -88,7 +105,7 @@ def scan_stops(t, h, y, y1, p, work, record):
         work.at_stop[i] = side
 
 
-@inlined
+@internal
 def add_event(t, kind, part, record):
     """Append one event."""
     row = record.counts[EVENT]

@@ -5,58 +5,68 @@ from __future__ import annotations
 import math
 
 from models.kernel.actuators import SAME_TIME, begin_segment
-from models.kernel.events import SURFACE, add_event, event_due, find_event, note_stops, scan_stops, stop_is_new
-from models.kernel.jit import compiled, inlined
-from models.kernel.params import EXTENSIONS, THETA, WORK_ACTUATORS
-from models.kernel.planar import derivative, energies
+from models.kernel.events import (
+    SURFACE,
+    add_event,
+    ends_run,
+    event_due,
+    find_event,
+    note_stops,
+    scan_stops,
+    stop_is_new,
+)
+from models.kernel.jit import compiled, internal
+from models.kernel.model import bill_jump, derivative, energies, settle
 from models.kernel.step import interpolate, make_dense, next_factor, pair_step, rk4_step
 
 COMPLETED, AT_SURFACE, AT_BED, DIVERGED, STEP_TOO_SMALL, TOO_MANY_STEPS, CANCELLED, RUNNING = range(8)
 CANCEL, PROGRESS = 0, 1
-SAMPLES, EVENTS, ACCEPTED, REJECTED, EVALUATIONS = range(5)
+SAMPLES, EVENTS, ACCEPTED, REJECTED, EVALUATIONS, WORST = range(6)
 SMALLEST_STEP = 1e-11
 """Shortest step, relative to the time reached and to 1 s."""
 FIRST_STEP = 1e-3
 """First trial of the adaptive pair, s; the controller finds its own within a few steps."""
-LARGEST_PITCH = 1e6
-"""A solution beyond this has diverged (rad): `sincos` has lost its meaning, and would make numbers up."""
+LARGEST = 1e6
+"""A pitch (rad, planar) or depth (m, spatial) beyond this has diverged: `sincos` would make numbers up."""
 
 
-@inlined
+@internal
 def copy_state(source, target):
     """Copy one state."""
     for j in range(source.shape[0]):
         target[j] = source[j]
 
 
-@inlined
+@internal
 def enter_segment(t, y, p, work, record):
     """Begin a segment, charging the actuators for any jump; return when the segment ends."""
-    kinetic, potential = energies(y, p)
+    kinetic, potential = energies(t, y, p)
     copy_state(y, work.held)
     end = begin_segment(t, y, p, work.drive)
+    first = p.space[0].extensions
     jumped = False
-    for j in range(EXTENSIONS, y.shape[0]):
+    for j in range(first, first + p.parts.shape[0]):
         jumped |= work.held[j] != y[j]
     if jumped:
-        kinetic_after, potential_after = energies(y, p)
-        y[WORK_ACTUATORS] += kinetic_after + potential_after - kinetic - potential
+        kinetic_after, potential_after = energies(t, y, p)
+        y[p.space[0].work] += kinetic_after + potential_after - kinetic - potential
+        bill_jump(work.held, y, p)
     scan_stops(t, 0.0, y, y, p, work, record)
     derivative(t, y, p, work.drive, work.k[0])
     record.counts[EVALUATIONS] += 1
     return end
 
 
-@inlined
-def all_finite(y):
-    """Whether every state is finite, and the pitch one that `sincos` can take."""
-    total = 0.0
+@internal
+def first_not_finite(y):
+    """Return the index of the first state that is not finite, or that `sincos` cannot take; -1 if all are well."""
     for j in range(y.shape[0]):
-        total += y[j] * 0.0
-    return total == 0.0 and abs(y[THETA]) < LARGEST_PITCH
+        if not math.isfinite(y[j]):
+            return j
+    return 2 if abs(y[2]) >= LARGEST else -1
 
 
-@inlined
+@internal
 def sample_step(pair, t, h, until, interval, y, work, record):
     """Record the samples that fall into the step from t to `until`, its end excluded.
 
@@ -73,7 +83,7 @@ def sample_step(pair, t, h, until, interval, y, work, record):
         record.counts[SAMPLES] = row
 
 
-@inlined
+@internal
 def finish(t, y, record):
     """Record the last state."""
     row = record.counts[SAMPLES]
@@ -102,7 +112,7 @@ def integrate(pair, duration, step, interval, max_steps, y, p, work, record):
             ends_segment = h >= (segment_end - t) * (1.0 - 1e-12)
             size = segment_end - t if ends_segment else h
             if pair:
-                error = pair_step(t, size, y, p, work)
+                error, counts[WORST] = pair_step(t, size, y, p, work)
                 counts[EVALUATIONS] += 6
                 if not error <= 1.0:
                     counts[REJECTED] += 1
@@ -119,26 +129,32 @@ def integrate(pair, duration, step, interval, max_steps, y, p, work, record):
             else:
                 rk4_step(t, size, y, p, work)
                 counts[EVALUATIONS] += 4
-            if not all_finite(work.y1):
+            wrong = first_not_finite(work.y1)
+            if wrong >= 0:
+                counts[WORST] = wrong
                 status = DIVERGED
                 continue
             taken += 1
             counts[ACCEPTED] += 1
             reached = segment_end if ends_segment else (t + size if pair else start + taken * step)
-            if event_due(y, work.y1, p):
+            if event_due(y, work.y1, p, work):
                 kind, share = find_event(pair, size, y, p, work)
-                sample_step(pair, t, size, t + share * size, interval, y, work, record)
-                interpolate(share, y, work.dense, work.held)
-                copy_state(work.held, y)
-                t += share * size
-                add_event(t, kind, -1, record)
-                status = AT_SURFACE if kind == SURFACE else AT_BED
-                continue
+                if ends_run(kind, p):
+                    sample_step(pair, t, size, t + share * size, interval, y, work, record)
+                    interpolate(share, y, work.dense, work.held)
+                    copy_state(work.held, y)
+                    t += share * size
+                    add_event(t, kind, -1, record)
+                    status = AT_SURFACE if kind == SURFACE else AT_BED
+                    continue
+                if counts[EVENTS] < record.events.shape[0] - 1:  # the last row is kept for the end of the run
+                    add_event(t + share * size, kind, -1, record)
             sample_step(pair, t, size, reached, interval, y, work, record)
             if stop_is_new(work.y1, p, work):
                 make_dense(pair, size, y, work)
                 scan_stops(t, size, y, work.y1, p, work, record)
             copy_state(work.y1, y)
+            settle(y, p)
             copy_state(work.k[last], work.k[0])
             t = reached
             record.control[PROGRESS] = t

@@ -16,3 +16,7 @@ _options: dict[str, Any] = {
 }  # fmt: skip
 compiled = numba.njit(**_options)
 inlined = numba.njit(forceinline=True, **_options)
+# Without the wrappers through which Python would call it: unpacking the records costs more to compile than most of what
+# stands inside.
+_unseen: dict[str, Any] = _options | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+internal = numba.njit(forceinline=True, **_unseen)

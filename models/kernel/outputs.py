@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from models.kernel.actuators import balance_with_parts, command, volume_and_slope
 from models.kernel.jit import compiled
-from models.kernel.params import EXTENSIONS, THETA, WORK_ACTUATORS, WORK_WATER, U, W
-from models.kernel.planar import energies, hydrodynamics
+from models.kernel.params import EXTENSIONS, THETA, WORK_ACTUATORS, WORK_WATER, Q, U, W
+from models.kernel.planar import energies, hydrodynamics, pitch_rate_terms
 from models.kernel.scalar import atan2, sincos
 
 COLUMNS = (
@@ -26,6 +26,7 @@ def outputs(times, states, p, out, commands, volumes):
         y = states[i]
         s, c = sincos(y[THETA])
         lift, drag, moment, _X, _Z, alpha, speed = hydrodynamics(y[U], y[W], p)
+        moment += pitch_rate_terms(speed, y[Q], p)[1]
         mass_x, mass_z, _inertia, volume, volume_x, volume_z = balance_with_parts(y, p)
         kinetic, potential = energies(y, p)
         x_dot = c * y[U] + s * y[W]

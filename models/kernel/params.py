@@ -1,5 +1,7 @@
 """Owns the kernel's records: `Params`, everything constant in a run, and the layout of the planar state.
 
+The spatial state has a layout of its own (spatial_layout.py).
+
 | symbol in code | words | unit | frame |
 |---|---|---|---|
 | x, z, theta | position of the body origin, pitch | m, rad | world |
@@ -53,6 +55,20 @@ class Params(NamedTuple):
     table: NDArray[np.float64]  # (pieces + 1, 1 + 3 n): alpha where it begins, then n coefficients of L, D, M
     lookup: NDArray[np.int64]  # (buckets,): piece at the lower edge of each equal bucket of alpha over [-pi, pi]
     error_scale: NDArray[np.float64]  # (state,): what an error of `tolerance` means in each state
+    space: NDArray[np.void]  # (1,) of SPACE (spatial_layout.py)
+    members: NDArray[np.void]  # (actuated parts,) of MEMBER; none for the planar model, as all that follows
+    inertias: NDArray[np.float64]  # (actuated parts, 5, 6): xx yy zz xy xz yz of 1, cos, sin, cos 2, sin 2 of the angle
+    solids: NDArray[np.float64]  # (parts that displace and do not move, 6): SOLID_COLUMNS
+    added: NDArray[np.float64]  # (6, 6) added mass
+    damping: NDArray[np.float64]  # (6, 6) linear damping
+    rates: NDArray[np.float64]  # (6, 3): force by p, q, r
+    coefficients: NDArray[np.float64]  # (14,): COEFFICIENT_NAMES, or LATERAL_NAMES and zeros
+    grid_alpha: NDArray[np.float64]  # (a,) breaks of the table over both angles, rad
+    grid_beta: NDArray[np.float64]  # (b,)
+    grid: NDArray[np.float64]  # ((a - 1) (b - 1), 6, 4, 4): c of sum c_ij ds^i dt^j for X Y Z K M N of each cell
+    water: NDArray[np.float64]  # (levels + 2, 6): z, c0..c3 of the density in powers of depth below z, pressure at z
+    current: NDArray[np.float64]  # (times * levels, 9): z, c0..c3 of the velocity north, c0..c3 east
+    current_times: NDArray[np.float64]  # (times,) s
 
 
 class Work(NamedTuple):
@@ -64,6 +80,7 @@ class Work(NamedTuple):
     held: NDArray[np.float64]  # (n,) a state kept for a moment
     drive: NDArray[np.float64]  # (parts, 5) how each part moves in the present segment (actuators.py)
     at_stop: NDArray[np.int64]  # (parts,) -1, 0, 1: lower stop, between, upper stop
+    armed: NDArray[np.int64]  # (2,) whether the surface and the bed may be met anew; at rest there, only once
 
 
 class Record(NamedTuple):
@@ -72,7 +89,7 @@ class Record(NamedTuple):
     times: NDArray[np.float64]  # (samples,) s
     states: NDArray[np.float64]  # (samples, n)
     events: NDArray[np.float64]  # (rows, 3) time, kind, part; further stops are not kept once it is full
-    counts: NDArray[np.int64]  # (5,) samples, events, accepted steps, rejected steps, evaluations
+    counts: NDArray[np.int64]  # (6,) samples, events, accepted steps, rejected steps, evaluations, worst state
     control: NDArray[np.float64]  # (2,) set [0] to stop early; [1] is the time reached, s
 
 
@@ -85,11 +102,12 @@ def make_work(states: int, parts: int) -> Work:
         held=np.zeros(states),
         drive=np.zeros((parts, 5)),
         at_stop=np.zeros(parts, dtype=np.int64),
+        armed=np.ones(2, dtype=np.int64),
     )
 
 
 def make_record(samples: int, states: int, events: int, control: NDArray[np.float64]) -> Record:
     """Return an empty record with room for `samples` samples and `events` events."""
     return Record(
-        np.zeros(samples), np.zeros((samples, states)), np.zeros((events, 3)), np.zeros(5, dtype=np.int64), control
+        np.zeros(samples), np.zeros((samples, states)), np.zeros((events, 3)), np.zeros(6, dtype=np.int64), control
     )

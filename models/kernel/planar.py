@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from models.kernel.actuators import balance_with_parts, move_parts
-from models.kernel.jit import compiled, inlined
+from models.kernel.jit import inlined
 from models.kernel.params import EXTENSIONS, THETA, WORK_ACTUATORS, WORK_WATER, Q, U, W, X, Z
 from models.kernel.scalar import TINY, atan2, sincos
 
@@ -64,6 +64,14 @@ def hydrodynamics(u, w, p):
 
 
 @inlined
+def pitch_rate_terms(speed, q, p):
+    """Return the force down and the pitching moment by pitch rate, N, N m."""
+    s = p.space[0]
+    turning = (s.rate_none + s.rate_speed * speed + s.rate_speed2 * speed * speed) * p.body[0].force_scale * q
+    return p.rates[2, 1] * turning, (p.rates[4, 1] + p.coefficients[11] * abs(q)) * turning
+
+
+@inlined
 def munk_excess(u, w, b):
     """Return the Munk moment that the table and the added mass would both count, N m (0 where only one does)."""
     return b.munk_in_table * ((b.a33 - b.a11) * u * w + b.a13 * (u * u - w * w))
@@ -85,7 +93,7 @@ def solve_symmetric(m11, m12, m13, m22, m23, m33, r1, r2, r3):
     return (r1 - m12 * x2 - m13 * x3) * per_m11, x2, x3
 
 
-@compiled
+@inlined
 def derivative(t, y, p, drive, dy):
     """Write dy/dt into `dy`: kinematics, accelerations, work rates, extension rates.
 
@@ -95,11 +103,12 @@ def derivative(t, y, p, drive, dy):
     u, w, q = y[U], y[W], y[Q]
     s, c = sincos(y[THETA])
     mass_x, mass_z, inertia, volume, volume_x, volume_z, power = move_parts(t, y, p, drive, dy, s, c)
-    _lift, _drag, moment, X_h, Z_h, _alpha, _speed = hydrodynamics(u, w, p)
+    _lift, _drag, moment, X_h, Z_h, _alpha, speed = hydrodynamics(u, w, p)
     moment -= munk_excess(u, w, b)
+    Z_q, M_q = pitch_rate_terms(speed, q, p)
     X_w = X_h - b.d11 * u
-    Z_w = Z_h - b.d33 * w
-    M_w = moment - b.d55 * q
+    Z_w = Z_h - b.d33 * w + Z_q
+    M_w = moment - b.d55 * q + M_q
 
     heaviness = b.gravity * (b.mass - b.density * volume)
     X_total = X_w - s * heaviness
@@ -127,7 +136,7 @@ def derivative(t, y, p, drive, dy):
     dy[WORK_ACTUATORS] = power
 
 
-@compiled
+@inlined
 def energies(y, p):
     """Return the kinetic energy (with the added mass) and the potential energy of a state, J."""
     b = p.body[0]

@@ -9,7 +9,7 @@ import math
 
 from models.kernel import tableau
 from models.kernel.jit import compiled, inlined
-from models.kernel.planar import derivative
+from models.kernel.model import derivative
 
 A = tableau.A
 C = tableau.C
@@ -40,7 +40,10 @@ def rk4_step(t, h, y, p, work):
 
 @inlined
 def pair_step(t, h, y, p, work):
-    """Advance by Dormand-Prince 5(4); return the largest scaled error (1 is `tolerance`). The last slope is k[6]."""
+    """Advance by Dormand-Prince 5(4); return the largest scaled error (1 is `tolerance`) and in which state it is.
+
+    The last slope is k[6].
+    """
     n = y.shape[0]
     k, y1 = work.k, work.y1
     for i in range(1, 7):
@@ -53,15 +56,15 @@ def pair_step(t, h, y, p, work):
         for j in range(n):
             y1[j] = y[j] + h * y1[j]
         derivative(t + C[i] * h, y1, p, work.drive, k[i])
-    worst = 0.0
+    worst, where = 0.0, 0
     for j in range(n):
         error = E[0] * k[0, j]
         for m in range(2, 7):
             error += E[m] * k[m, j]
         error = abs(h * error) / p.error_scale[j]
         if not error <= worst:  # a NaN is the worst error of all
-            worst = error
-    return worst
+            worst, where = error, j
+    return worst, where
 
 
 @compiled

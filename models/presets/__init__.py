@@ -9,7 +9,7 @@ from models.design import Design, loads_design
 
 def preset_ids() -> tuple[str, ...]:
     """Return the identifiers of all presets, in the order in which they are shown."""
-    return ("canete-dual-bellows", "three-cell-glider")
+    return ("canete-dual-bellows", "three-cell-glider", "seawing-spiral", "slocum-glide")
 
 
 def load_preset(preset_id: str) -> Design:

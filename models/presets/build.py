@@ -13,13 +13,10 @@ from models.design import Design, parse_design
 from models.hydrodynamics import Provenance
 from models.mass_properties import trim_ballast
 from models.polar_csv import read_polar_csv
+from models.presets.published import seawing, slocum
+from models.presets.words import prose
 
 DATA = files("models").joinpath("data")
-
-
-def prose(paragraph: str) -> str:
-    """Return a paragraph on one line."""
-    return " ".join(paragraph.split())
 
 
 HULL_NOTE = prose("""
@@ -31,7 +28,8 @@ CANETE_NOTE = prose(f"""
     The paper's glider with a front and a rear bellows: it dives for 10 s and climbs again, over stand-in CFD data.
     Source: L. Canete, J. Paquibot, M. Matsumoto, T. Takahashi, 'Investigation of Multiple Buoyancy Controller Equipped
     Underwater Glider Robot Modeling for Control System Development and Gliding Simulation': mass, centre of mass,
-    inertia, damping and gravity are its Table II, declared and frozen as there. Cells, hull and forces are not the
+    inertia in pitch, damping and gravity are its Table II, declared and frozen as there; the inertias in roll and yaw,
+    which only the spatial model reads, are ours. Cells, hull and forces are not the
     paper's, which prints no numbers for them. {HULL_NOTE} The paper's V0 makes the glider neutral without its bellows;
     here the cells at neutral extension count, so that only changes unbalance it. The front cell takes 0.02 N away for
     10 s, then adds 0.02 N: the size of the paper's tank run.
@@ -125,7 +123,7 @@ def canete_dual_bellows() -> dict[str, Any]:
                 "kind": "declared",
                 "mass": 0.787,
                 "center_of_mass": [0.0, 0.0, 0.001],
-                "inertia": {"yy": 0.029},
+                "inertia": {"xx": 0.0025, "yy": 0.029, "zz": 0.031},
             },
             "hydrodynamics": standin_hydrodynamics(),
             "added_mass": standin_added_mass(enabled=False),
@@ -218,9 +216,12 @@ def three_cell_glider() -> dict[str, Any]:
 
 
 def build() -> dict[str, Design]:
-    """Return all presets by identifier, trimmed to neutral buoyancy."""
-    documents = {"canete-dual-bellows": canete_dual_bellows(), "three-cell-glider": three_cell_glider()}
-    return {name: trim_ballast(parse_design(document))[0] for name, document in documents.items()}
+    """Return all presets by identifier; those on the stand-in hull are trimmed to neutral buoyancy."""
+    trimmed = {"canete-dual-bellows": canete_dual_bellows(), "three-cell-glider": three_cell_glider()}
+    stated = {"seawing-spiral": seawing(), "slocum-glide": slocum()}
+    return {name: trim_ballast(parse_design(document))[0] for name, document in trimmed.items()} | {
+        name: parse_design(document) for name, document in stated.items()
+    }
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 
 from models.design import Design
+from models.water import gravity_of
 
 Array = NDArray[np.float64]
 SIGNS = {"row_lift": (-1.0, -1.0), "row_drag": (1.0, 1.0), "row_moment": (-1.0, 1.0)}
@@ -86,7 +87,7 @@ class ReferenceGlider:
         self.design, self.vehicle = design, design.vehicle
         self.law = ReferenceLaw(design.vehicle.hydrodynamics)
         environment = design.mission.environment
-        self.density, self.gravity = environment.water.density, environment.gravity
+        self.density, self.gravity = environment.water.density, gravity_of(environment)
         added = design.vehicle.added_mass
         full = np.array(added.matrix) * self.density / added.density if added and added.enabled else np.zeros((6, 6))
         self.A = full[np.ix_([0, 2, 4], [0, 2, 4])]

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from models.assemble import Assembly
 from models.design import Design, parse_design
 from models.kernel.integrate import integrate
+from models.kernel.model import derivative, energies
 from models.kernel.params import Params, Work, make_record, make_work
-from models.kernel.planar import derivative, energies
 from models.kernel.step import make_dense, pair_step, rk4_step
 
 Array = NDArray[np.float64]
@@ -97,7 +97,7 @@ def slope_at(p: Params, y: Array) -> Array:
 
 
 def total_energy(p: Params, y: Array) -> float:
-    kinetic, potential = energies(y, p)
+    kinetic, potential = energies(0.0, y, p)
     return float(kinetic + potential)
 
 

@@ -6,9 +6,10 @@ from hypothesis import given
 
 from models.assemble import assemble
 from models.design import parse_design
+from models.kernel import params
 from models.kernel.integrate import integrate
 from models.kernel.outputs import outputs
-from models.kernel.params import Params
+from models.kernel.spatial_layout import MEMBER, SPACE
 from models.limits import Limits
 from models.presets import load_preset, preset_ids
 from models.problems import DesignError
@@ -56,7 +57,8 @@ def test_one_signature_is_compiled_for_random_designs(design):
 def test_records_are_of_one_exact_type(design):
     for array in (*assemble(design).params, assemble(design).initial_state):
         assert array.flags.c_contiguous and array.flags.writeable and array.flags.aligned
-    assert Params._fields == ("body", "parts", "volume_law", "commands", "table", "lookup", "error_scale")
+    kinds = {array.dtype.fields is not None and array.dtype.names for array in assemble(design).params}
+    assert kinds == {False, params.BODY.names, params.PART.names, SPACE.names, MEMBER.names}
 
 
 @given(designs())

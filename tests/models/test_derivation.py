@@ -6,16 +6,17 @@ from functools import cache
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from models import derivation as dv
 from models.assemble import assemble
 from models.design import DeclaredMass
 from models.hydrodynamic_law import build_law
-from models.kernel.planar import energies
+from models.kernel.model import energies
 from models.mass_properties import component_center_of_buoyancy, component_center_of_mass
 from models.volumes import volume
+from models.water import gravity_of
 from tests.models.support import slope_at, without_water
 from tests.strategies import designs, states
 
@@ -37,7 +38,7 @@ def values_of(assembly, y, *, added):
     design, vehicle = assembly.design, assembly.design.vehicle
     extensions = dict(zip(assembly.cells, y[8:], strict=True))
     environment = design.mission.environment
-    values = [environment.gravity, environment.water.density]
+    values = [gravity_of(environment), environment.water.density]
     declared = vehicle.mass_properties
     for n, part in enumerate(vehicle.components):
         e = extensions.get(part.name, 0.0)
@@ -47,6 +48,8 @@ def values_of(assembly, y, *, added):
             l_gx, _, l_gz = declared.center_of_mass
             mass = [declared.mass, l_gx, l_gz, declared.inertia.yy] if n == 0 else []
         buoyancy = component_center_of_buoyancy(part, e)
+        # a cell squeezed to nothing has a first moment, but no centre that the symbols could hold
+        assume(volume(part, e) > 0.0 or part.kind in ("rigid", "movable_mass"))
         values += [*mass, volume(part, e), buoyancy[0], buoyancy[2]]
     return values + (list(added_mass(design)[np.triu_indices(3)]) if added else [])
 
@@ -139,7 +142,7 @@ def test_inertia_matrix_is_that_of_the_body_turned_to_the_world(data, design):
                 probe[3:6] = 0.0
                 probe[3 + i] += 1.0
                 probe[3 + j] += sign
-                body[i, j] += 0.5 * sign * energies(probe, assembly.params)[0]
+                body[i, j] += 0.5 * sign * energies(0.0, probe, assembly.params)[0]
     J = np.array(dv.body_jacobian().subs(dv.Q[2], q[2]), dtype=float)
     declared = design.vehicle.mass_properties.kind == "declared"
     equations = symbolic(len(design.vehicle.components), declared=declared, added=True)

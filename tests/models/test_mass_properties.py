@@ -6,12 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.assemble import assemble
-from models.checks import warnings_for
 from models.design import CompositeMass, Design, parse_design
+from models.design_warnings import warnings_for
 from models.kernel.actuators import balance_with_parts
 from models.mass_properties import mass_balance, point_inertia, trim_ballast
 from models.presets import load_preset, preset_ids
 from models.problems import DesignError
+from models.water import gravity_of
 from tests.models.support import BODY, PISTON, document
 from tests.strategies import designs, states
 
@@ -124,7 +125,7 @@ def test_a_movable_mass_moves_the_centre_of_mass_along_its_axis():
 def test_presets_are_neutral(preset_id):
     design = load_preset(preset_id)
     environment = design.mission.environment
-    net = mass_balance(design.vehicle).net_buoyancy(environment.water.density, environment.gravity)
+    net = mass_balance(design.vehicle).net_buoyancy(environment.water.density, gravity_of(environment))
     assert abs(net) <= 1e-14  # N: rounding of a weight of 8 N
 
 
@@ -134,8 +135,8 @@ def test_trimming_leaves_no_net_buoyancy_and_says_what_it_changed(design):
     trimmed, change = trim_ballast(design, "Body")
     environment = design.mission.environment
     balance = mass_balance(trimmed.vehicle)
-    net = balance.net_buoyancy(environment.water.density, environment.gravity)
-    assert abs(net) <= 4e-15 * balance.mass * environment.gravity
+    net = balance.net_buoyancy(environment.water.density, gravity_of(environment))
+    assert abs(net) <= 4e-15 * balance.mass * gravity_of(environment)
     after = {c.name: getattr(c, "volume", None) for c in trimmed.vehicle.components}
     assert {name for name in after if after[name] != before[name]} <= {"Body"}
     assert (change.component, change.before, change.after) == ("Body", before["Body"], after["Body"])

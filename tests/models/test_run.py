@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from models.design import parse_design
 from models.kernel import KERNEL_HASH
 from models.presets import load_preset, preset_ids
-from models.run import CELL_VARIABLES, VARIABLES, Event, Run, Status
+from models.run import Event, Run, Status
 from models.simulate import simulate
+from models.water import gravity_of
 from tests.models.support import PISTON, document, schedule
 from tests.strategies import designs
 
@@ -23,15 +24,15 @@ def run(request):
     return simulate(load_preset(request.param))
 
 
-def assert_units(data):
-    for name, (unit, meaning) in (VARIABLES | CELL_VARIABLES).items():
+def assert_units(run, data):
+    for name, (unit, meaning) in (run.variables | run.cell_variables).items():
         assert data[name].attrs == {"units": unit, "long_name": meaning}
     assert data["time"].attrs["units"] == "s"
 
 
 def test_every_variable_has_its_unit_and_meaning(run):
-    assert set(run.data.data_vars) == set(VARIABLES) | set(CELL_VARIABLES)
-    assert_units(run.data)
+    assert set(run.data.data_vars) == set(run.variables) | set(run.cell_variables)
+    assert_units(run, run.data)
     assert run.data.sizes["cell"] == len(run.design.vehicle.actuated)
 
 
@@ -46,7 +47,7 @@ def test_netcdf_brings_back_everything(run, tmp_path):
     assert again.statistics == run.statistics
     assert again.kernel == run.kernel == KERNEL_HASH
     xr.testing.assert_identical(again.data, run.data)
-    assert_units(again.data)
+    assert_units(run, again.data)
 
 
 def test_netcdf_says_what_it_is(run, tmp_path):
@@ -56,7 +57,7 @@ def test_netcdf_says_what_it_is(run, tmp_path):
         assert stored.attrs["title"] == run.design.name
         assert stored.attrs["design_identity"] == run.design.identity
         assert json.loads(stored.attrs["design"])["format"] == "glider-design"
-        assert_units(stored)
+        assert_units(run, stored)
 
 
 def test_csv_reads_back_digit_for_digit(run, tmp_path):
@@ -88,10 +89,10 @@ def test_csv_brings_back_every_number(run, tmp_path):
     assert path.read_text() == content
     header, *rows = csv.reader(io.StringIO(content))
     numbers = np.array(rows, dtype=float)
-    assert len(header) == numbers.shape[1] == 1 + len(VARIABLES) + 3 * len(run.data["cell"])
+    assert len(header) == numbers.shape[1] == 1 + len(run.variables) + len(run.cell_variables) * len(run.data["cell"])
     assert header[0] == "t [s]"
     np.testing.assert_allclose(numbers[:, 0], run.data["time"], rtol=1e-11)
-    for k, (name, (unit, _)) in enumerate(VARIABLES.items(), start=1):
+    for k, (name, (unit, _)) in enumerate(run.variables.items(), start=1):
         assert header[k] == f"{name} [{unit}]"
         np.testing.assert_allclose(numbers[:, k], run.data[name], rtol=1e-11, atol=1e-300)
 
@@ -127,7 +128,7 @@ def test_outputs_are_consistent_with_the_states(design):
     turned = np.mod(d["flow_angle"] + d["theta"] - d["alpha"] + np.pi, 2 * np.pi) - np.pi
     assert np.abs(turned).max() <= 1e-12  # Eq. 11 with atan2, wrapped
     environment = design.mission.environment
-    net = environment.gravity * environment.water.density * d["volume"].sum("cell")
+    net = gravity_of(environment) * environment.water.density * d["volume"].sum("cell")
     rigid = sum(part.volume for part in design.vehicle.components if part.kind == "rigid")
     changes = d["net_buoyancy"] - net
     np.testing.assert_allclose(changes, changes[0], rtol=0, atol=1e-12)

@@ -12,6 +12,7 @@ from models.hydrodynamic_law import build_law
 from models.kernel.integrate import COMPLETED
 from models.presets import load_preset
 from models.simulate import simulate
+from models.water import gravity_of
 from tests.models.support import BODY, PISTON, design_of, document, polar, run_kernel, slope_at
 
 STILL = {"position": [0.0, 0.0, 5.0]}
@@ -57,7 +58,7 @@ def test_terminal_speed_without_lift(heavier, law):
     run = run_kernel(assemble(design))
     assert run.code == COMPLETED
     environment = design.mission.environment
-    net_weight = 0.95 * heavier * environment.gravity
+    net_weight = 0.95 * heavier * gravity_of(environment)
     P_D = build_law(design.vehicle.hydrodynamics)(math.pi / 2)[1]
     expected = math.copysign(math.sqrt(abs(net_weight) / P_D), net_weight)
     final = run.states[-1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import math
 import time
 from contextlib import asynccontextmanager
 
@@ -12,7 +13,7 @@ import pytest
 
 from models.design import parse_design
 from models.presets import load_preset, preset_ids
-from models.run import CELL_VARIABLES, VARIABLES, Run
+from models.run import Run
 from models.simulate import Control, simulate
 from server.app import create_app
 from server.examples.build import THIRD_CELL, example_design
@@ -31,6 +32,11 @@ def slow():
     return design
 
 
+def finite(values):
+    """What JSON holds: null for a number that is not finite."""
+    return [None if math.isnan(value) else value for value in values.tolist()]
+
+
 @pytest.mark.parametrize("preset_id", preset_ids())
 def test_answers_are_the_librarys_own(preset_id):
     run = simulate(load_preset(preset_id))
@@ -38,17 +44,17 @@ def test_answers_are_the_librarys_own(preset_id):
     assert answer["status"] == run.status.name and answer["message"] == run.status.value
     # fewer samples than the default of 2000 points, so all of them; JSON keeps every digit, hence equality
     assert answer["columns"]["t"] == run.data["time"].values.tolist()
-    assert set(answer["columns"]) == {"t", *VARIABLES}
-    for name in VARIABLES:
-        assert answer["columns"][name] == run.data[name].values.tolist()
+    assert set(answer["columns"]) == {"t", *run.variables}
+    for name in run.variables:
+        assert answer["columns"][name] == finite(run.data[name].values)
     assert [cell["name"] for cell in answer["cells"]] == run.data["cell"].values.tolist()
     for cell in answer["cells"]:
-        for name in CELL_VARIABLES:
+        for name in run.cell_variables:
             assert cell[name] == run.data[name].sel(cell=cell["name"]).values.tolist()
-    assert answer["final"] == run.final
+    assert answer["final"] == {name: None if math.isnan(value) else value for name, value in run.final.items()}
     assert answer["energy"]["exchanged"] == run.energy_exchanged
     assert answer["energy"]["relative_residual"] == run.relative_residual
-    assert answer["units"] == {"t": "s"} | {k: u for k, (u, _) in (VARIABLES | CELL_VARIABLES).items()}
+    assert answer["units"] == {"t": "s"} | {k: u for k, (u, _) in (run.variables | run.cell_variables).items()}
     assert answer["statistics"]["steps"] == run.statistics["steps"]
 
 
@@ -58,7 +64,7 @@ def test_thinned_curves_keep_ends_and_extremes():
     options = {"max_points": 40, "columns": [*columns, "z"]}
     answer = read_json(ask("POST", PREVIEW, {"design": preset(), "options": options}))
     assert set(answer["columns"]) == {"t", *columns} and set(answer["units"]) == {"t", *columns}
-    assert [set(cell) for cell in answer["cells"]] == [{"name"}] * 4
+    assert [set(cell) for cell in answer["cells"]] == [{"name", "unit"}] * 4
     t = np.array(answer["columns"]["t"])
     assert t.size == 40 and (np.diff(t) > 0).all()
     for name in columns:

@@ -1,0 +1,249 @@
+"""Owns the records that only the spatial model reads: made from a design, and empty for a planar run."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.components import Actuated, MovableMass, Rigid, RollingMass
+from models.design import DeclaredMass, Design
+from models.hydrodynamic_grid import build_grid_law
+from models.hydrodynamics import LateralCoefficients, PolarTable, RateTerms
+from models.hydrodynamics_angles import AngleTable
+from models.hydrodynamics_coefficients import CoefficientForm
+from models.kernel import params, spatial_layout
+from models.kernel.spatial_layout import COEFFICIENT_NAMES, LATERAL_NAMES, MEMBER, SPACE
+from models.mass_properties import component_center_of_mass, inertia_matrix, mass_balance, point_inertia, rotation_about
+from models.volumes import unit_axis, volume
+from models.water import current_table, gravity_of, surface_density, water_table
+
+Array = NDArray[np.float64]
+BED_FREQUENCY = 5.0
+"""How fast the glider would swing on the bed's spring, rad/s: its net weight sinks it a fraction of a millimetre in."""
+REARM = 4.0
+"""The surface counts as left at this many times the depth at which the glider begins to emerge."""
+SHORTEST_REARM = 0.2
+"""The surface or bed counts as left at least this far from it, m."""
+ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+"""Order in which the kernel keeps a symmetric 3x3 matrix."""
+
+
+def spatial_records(design: Design, parts: list[Actuated]) -> dict[str, Any]:
+    """Return the fields of `Params` beyond those of the planar model."""
+    spatial = design.mission.solver.model == "spatial"
+    water, current = _water_and_current(design)
+    angles, source = _source_arrays(design)
+    return {
+        "space": _space(design, parts, water.top, water.spacing, current.levels),
+        "members": _members(design, parts if spatial else []),
+        "inertias": _inertias(design, parts if spatial else []),
+        "solids": _solids(design) if spatial else np.zeros((0, len(spatial_layout.SOLID_COLUMNS))),
+        "added": added_mass(design),
+        "damping": damping_matrix(design),
+        "rates": _rates(design),
+        "coefficients": source,
+        **angles,
+        "water": water.rows,
+        "current": current.rows,
+        "current_times": current.times,
+    }
+
+
+def added_mass(design: Design) -> Array:
+    """Return the added mass (6, 6) at the density of the surface; zeros where it is off."""
+    added = design.vehicle.added_mass
+    if added is None or not added.enabled:
+        return np.zeros((6, 6))
+    return np.array(added.matrix) * (surface_density(design.mission.environment.water) / added.density)
+
+
+def damping_matrix(design: Design) -> Array:
+    """Return the linear damping (6, 6)."""
+    d = design.vehicle.damping
+    diagonal = np.diag([d.surge, d.sway, d.heave, d.roll, d.pitch, d.yaw])
+    return diagonal if d.matrix is None else diagonal + np.array(d.matrix)
+
+
+def fading_height(component: Any) -> float:
+    """Return the vertical extent over which a component's buoyancy fades: its own, or that of a sphere, m."""
+    if component.height is not None:
+        return float(component.height)
+    neutral = 0.0 if isinstance(component, Rigid) else component.neutral
+    return float((6.0 * volume(component, neutral) / math.pi) ** (1.0 / 3.0))
+
+
+def emerging_depth(design: Design) -> float:
+    """Return the depth of a part's centre above which some part of a floating glider begins to emerge, m."""
+    if design.mission.environment.surface == "end":
+        return 0.0
+    floats = [c for c in design.vehicle.components if not isinstance(c, MovableMass | RollingMass)]
+    return max((0.5 * fading_height(c) for c in floats), default=0.0)
+
+
+def _water_and_current(design: Design) -> tuple[Any, Any]:
+    environment = design.mission.environment
+    mixed = emerging_depth(design)
+    return water_table(environment.water, gravity_of(environment), mixed=mixed), current_table(environment.current)
+
+
+def _space(design: Design, parts: list[Actuated], top: float, spacing: float, levels: int) -> NDArray[np.void]:
+    environment, source = design.mission.environment, design.vehicle.hydrodynamics
+    spatial = design.mission.solver.model == "spatial"
+    layout: Any = spatial_layout if spatial else params
+    emerging = emerging_depth(design)
+    mass = mass_balance(design.vehicle).mass
+    heave = mass + added_mass(design)[2, 2]
+    values = {
+        "gravity": gravity_of(environment),
+        "surface_level": emerging,
+        "rearm_level": max(REARM * emerging, emerging + SHORTEST_REARM),
+        "bed_depth": math.inf if environment.bed_depth is None else environment.bed_depth,
+        "bed_stiffness": heave * BED_FREQUENCY**2,
+        "bed_damping": 2.0 * heave * BED_FREQUENCY,
+        "water_top": top, "per_spacing": 1.0 / spacing,
+        "per_reference_density": 1.0 / source.reference_density,
+        "spatial": spatial, "depth": layout.Z, "work": layout.WORK_ACTUATORS, "extensions": layout.EXTENSIONS,
+        "surface_ends": environment.surface == "end", "bed_ends": environment.bed_contact == "end",
+        "levels": levels,
+    }  # fmt: skip
+    values |= dict(zip(("reference_x", "reference_y", "reference_z"), source.reference_point, strict=True))
+    values |= _still_mass(design) | _source_switches(source)
+    space = np.zeros(1, dtype=SPACE)
+    for name, value in values.items():
+        space[name] = value
+    return space.view(np.recarray)
+
+
+def _still_mass(design: Design) -> dict[str, float]:
+    """Return mass, first moment and inertia about the origin of all that does not move."""
+    vehicle = design.vehicle
+    balance = mass_balance(vehicle)
+    moment, inertia = balance.mass * balance.center_of_mass, balance.inertia_about_origin
+    if not isinstance(vehicle.mass_properties, DeclaredMass):
+        moment, inertia = np.zeros(3), np.zeros((3, 3))
+        for c in vehicle.components:
+            if not isinstance(c, MovableMass | RollingMass):
+                r = component_center_of_mass(c, 0.0)
+                moment += c.mass * r
+                inertia += inertia_matrix(c.inertia) + c.mass * point_inertia(r)
+    names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    return {
+        "mass": balance.mass, "mass_x": moment[0], "mass_y": moment[1], "mass_z": moment[2],
+    } | {name: float(inertia[i, j]) for name, (i, j) in zip(names, ENTRIES, strict=True)}  # fmt: skip
+
+
+def _source_switches(source: Any) -> dict[str, float]:
+    kind = {"polar_table": spatial_layout.POLAR, "angle_table": spatial_layout.ANGLES}
+    scaling = source.rate_scaling if isinstance(source, CoefficientForm) else _rate_terms(source).scaling
+    lateral = source.lateral if isinstance(source, PolarTable) else None
+    plane = isinstance(source, PolarTable)
+    return {
+        "source": kind.get(source.kind, spatial_layout.COEFFICIENTS),
+        "munk_plane": float(plane and source.includes_munk_moment),
+        "munk_whole": float(not plane and source.includes_munk_moment),
+        "munk_lateral": float(lateral is not None and lateral.includes_munk_moment),
+        "rate_none": float(scaling == "none"),
+        "rate_speed": float(scaling == "speed"),
+        "rate_speed2": float(scaling == "speed_squared"),
+    }
+
+
+def _rate_terms(source: PolarTable | AngleTable) -> RateTerms:
+    if isinstance(source, AngleTable):
+        return source.rates
+    return source.lateral.rates if source.lateral is not None else RateTerms()
+
+
+def _rates(design: Design) -> Array:
+    """Return force by p, q, r (6, 3); of the coefficient form only what the planar model needs of it."""
+    source, rates = design.vehicle.hydrodynamics, np.zeros((6, 3))
+    if isinstance(source, CoefficientForm):
+        rates[4, 1] = source.pitch_rate
+        return rates
+    terms = _rate_terms(source)
+    rates[1, 0], rates[1, 2] = terms.sway_roll, terms.sway_yaw
+    rates[2, 1] = terms.heave_pitch
+    rates[3, 0], rates[3, 2] = terms.roll_roll, terms.roll_yaw
+    rates[4, 1] = terms.pitch_pitch
+    rates[5, 0], rates[5, 2] = terms.yaw_roll, terms.yaw_yaw
+    return rates
+
+
+def _source_arrays(design: Design) -> tuple[dict[str, Array], Array]:
+    """Return the table over both angles, and the coefficients; zeros where the source has none."""
+    source, numbers = design.vehicle.hydrodynamics, np.zeros(len(COEFFICIENT_NAMES))
+    grid = {"grid_alpha": np.zeros(2), "grid_beta": np.zeros(2), "grid": np.zeros((1, 6, 4, 4))}
+    described: CoefficientForm | LateralCoefficients | None = None
+    names: tuple[str, ...] = LATERAL_NAMES
+    if isinstance(source, CoefficientForm):
+        described, names = source, COEFFICIENT_NAMES
+    elif isinstance(source, PolarTable):
+        described = source.lateral
+    else:
+        law = build_grid_law(source)
+        grid = {"grid_alpha": law.alpha.copy(), "grid_beta": law.beta.copy(), "grid": law.pieces.copy()}
+    if described is not None:
+        numbers[: len(names)] = [getattr(described, name) for name in names]
+    return grid, numbers
+
+
+def _solids(design: Design) -> Array:
+    rows = [
+        [c.volume, *c.position, 0.0 if c.bulk_modulus is None else 1.0 / c.bulk_modulus, _half_height(design, c)]
+        for c in design.vehicle.components
+        if isinstance(c, Rigid) and c.volume > 0.0
+    ]
+    return np.array(rows, dtype=np.float64).reshape(-1, len(spatial_layout.SOLID_COLUMNS))
+
+
+def _half_height(design: Design, component: Any) -> float:
+    return 0.0 if design.mission.environment.surface == "end" else 0.5 * fading_height(component)
+
+
+def _members(design: Design, parts: list[Actuated]) -> NDArray[np.void]:
+    records = np.zeros(len(parts), dtype=MEMBER)
+    declared = isinstance(design.vehicle.mass_properties, DeclaredMass)
+    for record, part in zip(records, parts, strict=True):
+        axis = unit_axis(part)
+        record["axis_x"], record["axis_y"], record["axis_z"] = axis
+        record["x"], record["y"], record["z"] = part.position
+        record["per_efficiency"], record["recovery"] = 1.0 / part.efficiency, part.recovery
+        if isinstance(part, MovableMass | RollingMass):
+            record["moving_mass"] = 0.0 if declared else part.mass
+            _place_mass(record, part, axis)
+        else:
+            record["per_bulk"] = 0.0 if part.bulk_modulus is None else 1.0 / part.bulk_modulus
+            record["half_height"] = _half_height(design, part)
+    return records.view(np.recarray)
+
+
+def _place_mass(record: Any, part: MovableMass | RollingMass, axis: Array) -> None:
+    base = np.array(part.center_of_mass or part.position)
+    if isinstance(part, RollingMass):
+        arm = base - np.array(part.pivot)
+        across = arm - axis * (axis @ arm)
+        record["rolls"] = 1.0
+        record["perp_x"], record["perp_y"], record["perp_z"] = across
+        record["cross_x"], record["cross_y"], record["cross_z"] = np.cross(axis, arm)
+        base = base - across
+    record["base_x"], record["base_y"], record["base_z"] = base
+
+
+def _inertias(design: Design, parts: list[Actuated]) -> Array:
+    """Return each moving mass's own inertia as a trigonometric sum of its angle: (parts, 5, 6) of 1, c, s, c2, s2."""
+    harmonics = np.zeros((len(parts), 5, 6))
+    if isinstance(design.vehicle.mass_properties, DeclaredMass):
+        return harmonics
+    angles = 2.0 * math.pi * np.arange(5) / 5.0
+    basis = np.column_stack([np.ones(5), np.cos(angles), np.sin(angles), np.cos(2 * angles), np.sin(2 * angles)])
+    for k, part in enumerate(parts):
+        own = inertia_matrix(part.inertia)
+        if isinstance(part, MovableMass):
+            harmonics[k, 0] = [own[i, j] for i, j in ENTRIES]
+        elif isinstance(part, RollingMass):
+            turned = [turn @ own @ turn.T for turn in (rotation_about(unit_axis(part), a) for a in angles)]
+            harmonics[k] = np.linalg.solve(basis, np.array([[m[i, j] for i, j in ENTRIES] for m in turned]))
+    return harmonics

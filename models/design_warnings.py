@@ -1,0 +1,129 @@
+"""Owns what does not stop a run, yet may surprise: each warning with the number that shows it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.design import Design
+from models.hydrodynamics import PolarTable
+from models.mass_properties import MassBalance, inertia_matrix, mass_balance
+from models.problems import Problem, pointer_to
+from models.water import gravity_of, surface_density, unstable_layers
+
+
+def warnings_for(design: Design) -> Iterator[Problem]:
+    """Yield everything about a design that its maker should know before it runs."""
+    balance = mass_balance(design.vehicle)
+    yield from _floating(design, balance)
+    yield from _masses(design, balance)
+    yield from _inertias(design, balance)
+    yield from _water(design)
+    yield from _sideways(design)
+    yield from _late_points(design)
+
+
+def _floating(design: Design, balance: MassBalance) -> Iterator[Problem]:
+    environment = design.mission.environment
+    gravity = gravity_of(environment)
+    weight = balance.mass * gravity
+    net = balance.net_buoyancy(surface_density(environment.water), gravity)
+    if weight > 0.0 and abs(net) > 0.02 * weight:
+        yield Problem(
+            "/vehicle/components",
+            f"net buoyancy with neutral cells is {net:+.3g} N, {100 * net / weight:+.1f} % of weight",
+            limit=0.02, hint="trim the ballast",
+        )  # fmt: skip
+    below = 1e3 * float(balance.center_of_mass[2] - balance.center_of_buoyancy[2])
+    if below <= 0.0:
+        yield Problem(
+            "/vehicle/components",
+            f"the centre of mass lies {-below:.3g} mm above the centre of buoyancy: it turns over",
+            limit=0.0, hint="put weight lower or volume higher",
+        )  # fmt: skip
+
+
+def _masses(design: Design, balance: MassBalance) -> Iterator[Problem]:
+    vehicle = design.vehicle
+    if vehicle.mass_properties.kind != "declared":
+        return
+    parts = math.fsum(c.mass for c in vehicle.components)
+    if abs(parts - balance.mass) > 1e-3 * balance.mass:
+        yield Problem(
+            "/vehicle/mass_properties/mass",
+            f"declared are {1e3 * balance.mass:.4g} g, the parts weigh {1e3 * parts:.4g} g: only the declared counts",
+            limit=parts, hint="declare the sum, or use composite mass properties",
+        )  # fmt: skip
+    if any(c.kind in ("movable_mass", "rolling_mass") for c in vehicle.components):
+        yield Problem(
+            "/vehicle/mass_properties", "declared mass properties are frozen: movable masses have no effect",
+            hint="use composite mass properties",
+        )  # fmt: skip
+
+
+def _inertias(design: Design, balance: MassBalance) -> Iterator[Problem]:
+    if design.vehicle.mass_properties.kind == "declared":
+        yield from _triangle(balance.inertia, "/vehicle/mass_properties/inertia", "the vehicle", design)
+        return
+    for i, component in enumerate(design.vehicle.components):
+        matrix = inertia_matrix(component.inertia)
+        pointer = pointer_to("vehicle", "components", i, "inertia")
+        smallest = float(np.linalg.eigvalsh(matrix)[0])
+        if smallest < -1e-9 * max(float(np.abs(matrix).max()), 1e-12):
+            yield Problem(
+                pointer, f"the inertia of '{component.name}' has a negative principal moment, {smallest:.4g} kg m2",
+                limit=0.0, hint="check the products of inertia",
+            )  # fmt: skip
+        else:
+            yield from _triangle(matrix, pointer, f"'{component.name}'", design)
+
+
+def _triangle(inertia: NDArray[np.float64], pointer: str, whose: str, design: Design) -> Iterator[Problem]:
+    """Yield a warning where no distribution of mass has these moments: the largest exceeds the sum of the others."""
+    if design.mission.solver.model == "planar":
+        return  # only the moment in pitch counts
+    small, middle, large = (float(value) for value in np.linalg.eigvalsh(inertia))
+    if large > (small + middle) * (1.0 + 1e-9) + 1e-12:
+        yield Problem(
+            pointer,
+            f"the inertia of {whose} breaks the triangle inequality: {large:.4g} exceeds {small:.4g} + {middle:.4g} "
+            "kg m2",
+            limit=small + middle, hint="no body has such moments: check them",
+        )  # fmt: skip
+
+
+def _water(design: Design) -> Iterator[Problem]:
+    layer = unstable_layers(design.mission.environment.water)
+    if layer is not None:
+        yield Problem(
+            "/mission/environment/water/depths",
+            f"the water is unstable between {layer.top:g} and {layer.bottom:g} m: its density falls by "
+            f"{layer.drop:.3g} kg/m3",
+            limit=0.0, hint="check the profile, or smooth it",
+        )  # fmt: skip
+
+
+def _sideways(design: Design) -> Iterator[Problem]:
+    vehicle = design.vehicle
+    if design.mission.solver.model == "planar":
+        if any(abs(c.position[1]) > 0.0 for c in vehicle.components):
+            yield Problem("/mission/solver/model", "the planar model ignores offsets to port and starboard")
+    elif isinstance(vehicle.hydrodynamics, PolarTable) and vehicle.hydrodynamics.lateral is None:
+        yield Problem(
+            "/vehicle/hydrodynamics/lateral", "there is no side force or yaw moment data: nothing holds the glider "
+            "against sideslip", hint="state lateral coefficients, or use the planar model",
+        )  # fmt: skip
+
+
+def _late_points(design: Design) -> Iterator[Problem]:
+    mission = design.mission
+    for i, schedule in enumerate(mission.control.schedules):
+        if schedule.points[-1].time > mission.duration:
+            yield Problem(
+                pointer_to("mission", "control", "schedules", i, "points", len(schedule.points) - 1, "time"),
+                f"'{schedule.cell}' has points after the mission's end at {mission.duration:g} s",
+                limit=mission.duration, hint="lengthen the mission",
+            )  # fmt: skip

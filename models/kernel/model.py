@@ -1,0 +1,49 @@
+"""Owns the choice between the planar and the spatial equations, for an integrator that knows neither."""
+
+from __future__ import annotations
+
+from models.kernel.jit import compiled, internal
+from models.kernel.planar import derivative as planar_derivative
+from models.kernel.planar import energies as planar_energies
+from models.kernel.spatial import attitude, normalise, spatial_derivative, spatial_energies
+from models.kernel.spatial_layout import EXTENSIONS
+from models.kernel.spatial_parts import energy_taken, work_per_extension
+
+
+@compiled
+def derivative(t, y, p, drive, dy):
+    """Write dy/dt into `dy`; `drive` says how each part moves in this segment (actuators.py)."""
+    if p.space[0].spatial != 0:
+        spatial_derivative(t, y, p, drive, dy)
+    else:
+        planar_derivative(t, y, p, drive, dy)
+
+
+@compiled
+def energies(t, y, p):
+    """Return the kinetic and the potential energy of a state, J."""
+    if p.space[0].spatial != 0:
+        return spatial_energies(t, y, p)
+    return planar_energies(y, p)
+
+
+@internal
+def settle(y, p):
+    """Bring an accepted state back to where the equations keep it: the quaternion's length is 1."""
+    if p.space[0].spatial != 0:
+        normalise(y)
+
+
+@compiled
+def bill_jump(before, y, p):
+    """Charge the battery for parts that jumped from the extensions of `before` to those of `y`, by the mean of both."""
+    if p.space[0].spatial == 0:
+        return
+    rot = attitude(y)
+    n = p.parts.shape[0]
+    for i in range(n):
+        rise = y[EXTENSIONS + i] - before[EXTENSIONS + i]
+        if rise != 0.0:
+            _force, start, _kinetic = work_per_extension(before, i, rot[6], rot[7], rot[8], p)
+            _force, finish, _kinetic = work_per_extension(y, i, rot[6], rot[7], rot[8], p)
+            y[EXTENSIONS + n + i] += energy_taken(0.5 * rise * (start + finish), i, p)

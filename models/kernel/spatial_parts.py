@@ -1,0 +1,163 @@
+"""Owns what the parts add up to in space: mass, its moments, displaced water, and the power of the actuators."""
+
+from __future__ import annotations
+
+from models.kernel.actuators import extension_rate, volume_and_slope
+from models.kernel.jit import internal
+from models.kernel.scalar import sincos
+from models.kernel.spatial_layout import EXTENSIONS, P, Q, R, U, V, W, Z
+from models.kernel.spatial_water import felt_by_part
+from models.kernel.vectors import cross, times_symmetric
+
+
+@internal
+def moving_mass_at(travel, i, p):
+    """Return where the mass of part i is, how that changes with its extension, and cos and sin of its angle."""
+    m = p.members[i]
+    if m.rolls == 0.0:
+        return (
+            m.base_x + travel * m.axis_x, m.base_y + travel * m.axis_y, m.base_z + travel * m.axis_z,
+            m.axis_x, m.axis_y, m.axis_z, 1.0, 0.0,
+        )  # fmt: skip
+    s, c = sincos(travel)
+    return (
+        m.base_x + c * m.perp_x + s * m.cross_x,
+        m.base_y + c * m.perp_y + s * m.cross_y,
+        m.base_z + c * m.perp_z + s * m.cross_z,
+        c * m.cross_x - s * m.perp_x,
+        c * m.cross_y - s * m.perp_y,
+        c * m.cross_z - s * m.perp_z,
+        c, s,
+    )  # fmt: skip
+
+
+@internal
+def own_inertia(i, j, c, s, p):
+    """Return entry j (xx yy zz xy xz yz) of part i's inertia about its own centre, turned by the angle of c, s."""
+    n = p.inertias[i]
+    return n[0, j] + c * n[1, j] + s * n[2, j] + (c * c - s * s) * n[3, j] + 2.0 * s * c * n[4, j]
+
+
+@internal
+def cell_at(e, travel, i, p):
+    """Return V, dV/de, the centre of buoyancy, and how far along the axis that moves with the extension."""
+    part, m = p.parts[i], p.members[i]
+    volume, slope = volume_and_slope(part, e, p)
+    per_volume = 1.0 / volume if volume > 0.0 else 0.0
+    stack = (volume - part.core_volume) * per_volume
+    shift = 0.5 * part.grows * travel * stack
+    moves = 0.5 * part.grows * (stack + travel * slope * part.core_volume * per_volume * per_volume)
+    return volume, slope, m.x + shift * m.axis_x, m.y + shift * m.axis_y, m.z + shift * m.axis_z, moves
+
+
+@internal
+def masses_at(y, p):
+    """Return S_x, S_y, S_z and I_xx, I_yy, I_zz, I_xy, I_xz, I_yz about the origin at the state's extensions."""
+    b = p.space[0]
+    sx, sy, sz = b.mass_x, b.mass_y, b.mass_z
+    xx, yy, zz, xy, xz, yz = b.ixx, b.iyy, b.izz, b.ixy, b.ixz, b.iyz
+    for i in range(p.parts.shape[0]):
+        mass = p.members[i].moving_mass
+        if mass > 0.0:
+            travel = y[EXTENSIONS + i] - p.parts[i].neutral
+            cx, cy, cz, _ax, _ay, _az, c, s = moving_mass_at(travel, i, p)
+            sx += mass * cx
+            sy += mass * cy
+            sz += mass * cz
+            xx += mass * (cy * cy + cz * cz) + own_inertia(i, 0, c, s, p)
+            yy += mass * (cx * cx + cz * cz) + own_inertia(i, 1, c, s, p)
+            zz += mass * (cx * cx + cy * cy) + own_inertia(i, 2, c, s, p)
+            xy += own_inertia(i, 3, c, s, p) - mass * cx * cy
+            xz += own_inertia(i, 4, c, s, p) - mass * cx * cz
+            yz += own_inertia(i, 5, c, s, p) - mass * cy * cz
+    return sx, sy, sz, xx, yy, zz, xy, xz, yz
+
+
+@internal
+def displaced_water(y, kx, ky, kz, p):
+    """Return B, B_x, B_y, B_z and the potential energy of all buoyancy (J), each part at its own depth."""
+    mass, mx, my, mz, potential = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(p.solids.shape[0]):
+        row = p.solids[i]
+        density, head = felt_by_part(y[Z] + kx * row[1] + ky * row[2] + kz * row[3], row[5], p)
+        squeezed = max(head, 0.0) * row[4]
+        share = density * row[0] * (1.0 - squeezed)
+        mass += share
+        mx += share * row[1]
+        my += share * row[2]
+        mz += share * row[3]
+        potential += row[0] * (head - 0.5 * squeezed * max(head, 0.0))
+    for i in range(p.parts.shape[0]):
+        m = p.members[i]
+        e = y[EXTENSIONS + i]
+        volume, _slope, bx, by, bz, _moves = cell_at(e, e - p.parts[i].neutral, i, p)
+        density, head = felt_by_part(y[Z] + kx * bx + ky * by + kz * bz, m.half_height, p)
+        squeezed = max(head, 0.0) * m.per_bulk
+        share = density * volume * (1.0 - squeezed)
+        mass += share
+        mx += share * bx
+        my += share * by
+        mz += share * bz
+        potential += volume * (head - 0.5 * squeezed * max(head, 0.0))
+    return mass, mx, my, mz, potential
+
+
+@internal
+def work_per_extension(y, i, kx, ky, kz, p):
+    """Return the force that part i's actuator works against, the part of it that costs energy, and the kinetic part.
+
+    The first two are dU/de: of a cell the second is head times dV/de alone, of a mass its weight. The third is
+    nu^T dM_RB/de nu / 2. N, or N m of a part that rolls.
+    """
+    part, m = p.parts[i], p.members[i]
+    e = y[EXTENSIONS + i]
+    travel = e - part.neutral
+    volume, slope, bx, by, bz, moves = cell_at(e, travel, i, p)
+    density, head = felt_by_part(y[Z] + kx * bx + ky * by + kz * bz, m.half_height, p)
+    pressed = max(head, 0.0)
+    squeezed = pressed * m.per_bulk
+    along = kx * m.axis_x + ky * m.axis_y + kz * m.axis_z
+    potential = slope * (head - 0.5 * squeezed * pressed)
+    potential += volume * density * (1.0 - squeezed) * p.space[0].gravity * moves * along
+    billed = slope * pressed * (1.0 - squeezed)
+    kinetic = 0.0
+    if m.moving_mass > 0.0:
+        cx, cy, cz, ax, ay, az, c, s = moving_mass_at(travel, i, p)
+        weight = -m.moving_mass * p.space[0].gravity * (kx * ax + ky * ay + kz * az)
+        potential += weight
+        billed += weight
+        wx, wy, wz = y[P], y[Q], y[R]
+        vx, vy, vz = cross(wx, wy, wz, cx, cy, cz)
+        tx, ty, tz = cross(wx, wy, wz, ax, ay, az)
+        kinetic = m.moving_mass * ((y[U] + vx) * tx + (y[V] + vy) * ty + (y[W] + vz) * tz)
+        if m.rolls != 0.0:
+            hx, hy, hz = times_symmetric(
+                own_inertia(i, 0, c, s, p), own_inertia(i, 1, c, s, p), own_inertia(i, 2, c, s, p),
+                own_inertia(i, 3, c, s, p), own_inertia(i, 4, c, s, p), own_inertia(i, 5, c, s, p), wx, wy, wz,
+            )  # fmt: skip
+            gx, gy, gz = cross(m.axis_x, m.axis_y, m.axis_z, hx, hy, hz)
+            kinetic += wx * gx + wy * gy + wz * gz
+    return potential, billed, kinetic
+
+
+@internal
+def energy_taken(work, i, p):
+    """Return what the battery gives for `work` of part i's actuator; where that is negative, what it gets back."""
+    m = p.members[i]
+    return work * (m.per_efficiency if work > 0.0 else m.recovery)
+
+
+@internal
+def move_members(t, y, p, drive, dy, kx, ky, kz):
+    """Write the rates of extensions and of energy spent into `dy`; return the power of the actuators, W."""
+    power = 0.0
+    n = p.parts.shape[0]
+    for i in range(n):
+        rate = extension_rate(t, y[EXTENSIONS + i], p.parts[i], drive[i])
+        dy[EXTENSIONS + i] = rate
+        dy[EXTENSIONS + n + i] = 0.0
+        if rate != 0.0:
+            potential, billed, kinetic = work_per_extension(y, i, kx, ky, kz, p)
+            power += rate * (potential + kinetic)
+            dy[EXTENSIONS + n + i] = energy_taken(rate * billed, i, p)
+    return power
