@@ -54,6 +54,8 @@ bench: setup-dev
 
 docs: setup-dev
 	$(BIN)/python -m docs.make_paper
+	$(BIN)/python -m docs.make_quad_glider
+	$(BIN)/python -m docs.make_validation
 
 presets: setup
 	$(BIN)/python -m models.presets.build

@@ -10,6 +10,7 @@ from typing import Any
 
 from models.assemble import assemble
 from models.design import Design
+from models.energy import Spent, energy_bill
 from models.limits import Limits
 from models.problems import DesignError, Problem, pointer_to
 from models.run import Run, Status
@@ -121,6 +122,7 @@ def as_mapping(preview: PreviewRun, columns: Sequence[str], max_points: int | No
         ],
         "final": run.final,
         "energy": _energy(run),
+        "bill": bill_document(run),
         "statistics": run.statistics,
         "warnings": [problem.as_dict() for problem in preview.warnings],
     }
@@ -136,3 +138,15 @@ def _energy(run: Run) -> dict[str, float]:
         "exchanged": run.energy_exchanged,
         "relative_residual": run.relative_residual,
     }
+
+
+def bill_document(run: Run) -> dict[str, Any] | None:
+    """Return the energy bill of a run as plain values; None where the model keeps none."""
+    bill = energy_bill(run)
+    if bill is None:
+        return None
+    return {"whole": _spent(bill.whole), "dives": [_spent(dive) for dive in bill.dives]}
+
+
+def _spent(spent: Spent) -> dict[str, Any]:
+    return dataclasses.asdict(spent) | {"total": spent.total, "per_km": spent.per_km}

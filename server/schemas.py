@@ -226,6 +226,26 @@ class EnergyBalance(Wire):
     relative_residual: float | None = Field(description="Their ratio.")
 
 
+class SpentItem(Wire):
+    """What the battery gave over a stretch of a run."""
+
+    begin: float = Field(description="From, s.")
+    end: float = Field(description="To, s.")
+    depth: float = Field(description="Greatest depth, m.")
+    distance: float = Field(description="Horizontal way over ground, m.")
+    total: float = Field(description="All energy, J.")
+    hotel: float = Field(description="Hotel load, J.")
+    parts: dict[str, float] = Field(description="Energy of each actuator by name, J.")
+    per_km: float | None = Field(description="Energy per kilometre of horizontal way, J/km; null over less than 1 m.")
+
+
+class Bill(Wire):
+    """The energy bill of a run and of each of its dives."""
+
+    whole: SpentItem = Field(description="The whole run.")
+    dives: list[SpentItem] = Field(description="Each dive, from where it is shallow to where it is shallow again.")
+
+
 class Preview(Wire):
     """One simulated glide. A number that is not finite is null."""
 
@@ -237,6 +257,7 @@ class Preview(Wire):
     cells: list[CellColumns] = Field(description="Each component that moves.")
     final: dict[str, float | None] = Field(description="The last sample of every variable.")
     energy: EnergyBalance = Field(description="The balance of energy.")
+    bill: Bill | None = Field(description="What the battery gave; null for the planar model, which keeps no account.")
     statistics: dict[str, float] = Field(description="Steps, evaluations, and seconds of computing.")
     warnings: list[ErrorItem] = Field(description="What does not stop a run, yet may surprise.")
 

@@ -9,7 +9,11 @@ from models.design import Design, loads_design
 
 def preset_ids() -> tuple[str, ...]:
     """Return the identifiers of all presets, in the order in which they are shown."""
-    return ("canete-dual-bellows", "three-cell-glider", "seawing-spiral", "slocum-glide")
+    return (
+        "canete-dual-bellows", "three-cell-glider",
+        "quad-bellows-glide", "quad-bellows-spiral", "quad-bellows-s-turn", "quad-bellows-yo-yo", "movable-mass-twin",
+        "seawing-spiral", "slocum-glide",
+    )  # fmt: skip
 
 
 def load_preset(preset_id: str) -> Design:
