@@ -30,7 +30,11 @@ def engine(**changes):
 
 def fly(*parts, environment, points=(), damping=0.0, depth=5.0, duration=60.0, **mission):
     document = moving_design(NO_LIFT).model_dump(mode="json")
-    document["vehicle"] |= {"components": list(parts), "added_mass": None, "damping": {"heave": damping}}
+    document["vehicle"] |= {
+        "components": list(parts),
+        "added_mass": None,
+        "damping": {"heave": damping, "pitch": 0.05 * damping},
+    }
     told = [{"cell": "Engine", "points": [{"time": t, "extension": e} for t, e in points]}] if points else []
     document["mission"] |= {
         "environment": {"gravity": GRAVITY, "water": {"density": DENSITY}} | environment,
@@ -96,15 +100,15 @@ def test_it_lands_slides_and_takes_off_again():
     points = [(0.0, -0.02), (60.0, 0.02)]
     run = fly(
         body(mass=2.1), engine(), environment={"bed_depth": 6.0, "bed_contact": "slide"}, points=points, damping=3.0,
-        duration=120.0, initial={"position": [0.0, 0.0, 5.0], "velocity": [0.2, 0.0, 0.0]},
+        duration=120.0, initial={"position": [0.0, 0.0, 5.9], "velocity": [0.2, 0.0, 0.0]},
     )  # fmt: skip
     assert run.status is Status.completed
     assert [event.kind for event in run.events if event.kind == "bed"] == ["bed"]
     landed = run.data.sel(time=59.0, method="nearest")
     sunk = float(landed["z"]) - 6.0
     assert 0.0 < sunk < 5e-3, "a spring holds it up: a fraction of a millimetre to a few"
-    # what is left: the drag of a body that pitches a little
-    assert float(landed["bed_force"]) == pytest.approx(-float(landed["net_buoyancy"]), rel=1e-4)
+    # it still rocks a little about its keel
+    assert float(landed["bed_force"]) == pytest.approx(-float(landed["net_buoyancy"]), rel=1e-3)
     assert abs(float(landed["z_dot"])) < 1e-5
     touched = next(event.time for event in run.events if event.kind == "bed")
     way = run.data["x"].sel(time=[touched, touched + 5.0], method="nearest").values
