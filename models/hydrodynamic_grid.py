@@ -31,13 +31,25 @@ class GridLaw:
     pieces: Array
 
     def __call__(self, alpha: float, beta: float) -> Array:
-        """Return X, Y, Z, K, M, N per squared speed (6,) at angles in rad, held at the edges of the table."""
+        """Return X, Y, Z, K, M, N per squared speed (6,) at angles in rad.
+
+        Beyond the edges of the table drag, side force and lift are held, which turn with the flow; and the moments.
+        """
         a = float(np.clip(alpha, self.alpha[0], self.alpha[-1]))
         b = float(np.clip(beta, self.beta[0], self.beta[-1]))
         i = int(np.clip(np.searchsorted(self.alpha, a, side="right") - 1, 0, len(self.alpha) - 2))
         j = int(np.clip(np.searchsorted(self.beta, b, side="right") - 1, 0, len(self.beta) - 2))
         s, t = (a - self.alpha[i]) ** np.arange(4), (b - self.beta[j]) ** np.arange(4)
-        return np.asarray(s @ self.pieces[i * (len(self.beta) - 1) + j] @ t, dtype=np.float64)
+        forces = np.asarray(s @ self.pieces[i * (len(self.beta) - 1) + j] @ t, dtype=np.float64)
+        if (a, b) != (alpha, beta):
+            forces[:3] = flow_to_body(alpha, beta) @ flow_to_body(a, b).T @ forces[:3]
+        return forces
+
+
+def flow_to_body(alpha: float, beta: float) -> Array:
+    """Return the rotation that takes (-drag, side force, -lift) to body axes, (3, 3)."""
+    ca, sa, cb, sb = np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta)
+    return np.array([[ca * cb, -ca * sb, -sa], [sb, cb, 0.0], [sa * cb, -sa * sb, ca]])
 
 
 def _whole_table(table: AngleTable) -> tuple[Array, Array, Array]:

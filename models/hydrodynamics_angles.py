@@ -23,10 +23,11 @@ def _grid(what: str, unit: str, symbol: str) -> Grid:
 
 
 class AngleTable(Description):
-    """Forces and moments in body axes over angle of attack and sideslip; cubics between, held at the edges beyond.
+    """Forces and moments in body axes over angle of attack and sideslip; cubics between.
 
     Where the sideslips begin at 0 the vehicle counts as symmetric from port to starboard, and negative ones are
     mirrored: surge, heave and pitch even, sway, roll and yaw odd. Angles of attack from -180 to 180 deg close a circle.
+    Beyond the edges drag, side force, lift and moments of the edge are held.
     """
 
     kind: Literal["angle_table"] = text("Which source this is: a table over angle of attack and sideslip.")

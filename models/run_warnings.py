@@ -83,7 +83,9 @@ def _outside_angles(run: Run, table: AngleTable) -> Iterator[Problem]:
         ("alpha", "alpha_deg", (table.alpha_deg[0], table.alpha_deg[-1])),
         ("beta", "beta_deg", slips),
     ):
-        yield from _outside_angle(run, name, field, (low, high), "the forces of its edge are held")
+        yield from _outside_angle(
+            run, name, field, (low, high), "drag, side force, lift and moments of its edge are held"
+        )
 
 
 def _outside_coefficients(run: Run, source: CoefficientForm) -> Iterator[Problem]:

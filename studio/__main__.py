@@ -10,6 +10,25 @@ from pathlib import Path
 
 from studio.exit_codes import DONE, MEANING, STOPPED
 
+ATTACHED = {
+    "water": "temperature (degC) and salinity against depth (m)",
+    "density": "density (kg/m3) against depth (m)",
+    "current": "velocity north and east (m/s) against depth (m), and time (s)",
+    "forces": "forces (N, N m) over alpha_deg, or over alpha_deg and beta_deg, with speed (m/s)",
+}
+
+
+def _add_attach(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("design", type=Path, help="design file")
+    parser.add_argument("kind", choices=ATTACHED, help="; ".join(f"{name}: {what}" for name, what in ATTACHED.items()))
+    parser.add_argument("data", type=Path, help="CSV with a header, or NetCDF for water, density and current")
+    parser.add_argument("-o", "--output", type=Path, required=True, help="design file to write")
+    parser.add_argument("--source", default="", help="where the data come from, kept in the design")
+    parser.add_argument("--latitude", type=float, help="of water: degrees north; sets pressure and gravity")
+    parser.add_argument("--longitude", type=float, help="of water: degrees east; gives the sea's composition")
+    parser.add_argument("--salinity", choices=("practical", "absolute"), default="practical", help="of water")
+    parser.add_argument("--speed", help="of forces: use this speed (m/s), or the mean of all ('mean')")
+
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
@@ -27,6 +46,8 @@ def _parser() -> argparse.ArgumentParser:
     simulate.add_argument("-o", "--output", type=Path, help="result file: .nc (NetCDF) or .csv")
     validate = commands.add_parser("validate", help="check a design", epilog=MEANING)
     validate.add_argument("design", type=Path, help="design file, or - for standard input")
+    attaching = commands.add_parser("attach", help="put a profile or a force table into a design", epilog=MEANING)
+    _add_attach(attaching)
     presets = commands.add_parser("presets", help="list the presets, or print one as JSON", epilog=MEANING)
     presets.add_argument("preset", nargs="?", help="print this preset's design document")
     return parser
@@ -42,6 +63,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from studio.serve import serve
 
             return serve(host=options.host, port=options.port, data=options.data)
+        if options.command == "attach":
+            from studio.attach import attach
+
+            return attach(options)
         from studio import commands
 
         if options.command == "simulate":

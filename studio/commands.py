@@ -9,6 +9,7 @@ from pathlib import Path
 
 from models.assemble import assemble
 from models.design import Design, loads_design
+from models.energy import energy_bill
 from models.presets import load_preset, preset_ids
 from models.problems import DesignError, Problem
 from models.run import Run, Status
@@ -89,17 +90,37 @@ def simulate(path: Path, output: Path | None) -> int:
 def _print_summary(run: Run) -> None:
     final = {name: round(value, 6) + 0.0 for name, value in run.final.items()}  # no "-0.0000" at the surface
     print(f"design      {run.design.name}")
-    print(f"status      {run.status.name}: {run.status.value}")
+    print(f"status      {run.status.name}: {run.message}")
     for event in run.events:
         print(f"event       {event}")
     print(
         f"end         t {final['t']:.3f} s, x {final['x']:.4f} m, depth {final['z']:.4f} m, "
         f"pitch {math.degrees(final['theta']):.2f} deg"
     )
+    if run.model == "spatial":
+        _print_spatial(run, final)
     for warning in run_warnings(run):
         print(f"warning     {warning.message}")
     print(f"residual    {run.relative_residual:.1e} of {run.energy_exchanged:.4g} J exchanged")
     print(f"steps       {run.statistics['steps']}")
+
+
+def _print_spatial(run: Run, final: dict[str, float]) -> None:
+    turn = math.degrees(final["turn_rate"])
+    radius = "" if math.isnan(final["turn_radius"]) or abs(turn) < 1e-3 else f", radius {final['turn_radius']:.4g} m"
+    print(
+        f"            y {final['y']:.4f} m, roll {math.degrees(final['phi']):.2f} deg, heading "
+        f"{math.degrees(final['psi']):.2f} deg, turning {turn:.3f} deg/s{radius}"
+    )
+    bill = energy_bill(run)
+    if bill is None:
+        return
+    parts = {"hotel": bill.whole.hotel, **bill.whole.parts}
+    split = ", ".join(f"{name} {round(energy, 1) + 0.0:.1f} J" for name, energy in parts.items())
+    per_km = "" if bill.whole.per_km is None else f", {bill.whole.per_km:.0f} J/km"
+    print(f"energy      {bill.whole.total:.1f} J{per_km}: {split}")
+    if len(bill.dives) > 1:
+        print(f"dives       {', '.join(f'{dive.depth:.1f} m: {dive.total:.0f} J' for dive in bill.dives)}")
 
 
 def validate(path: Path) -> int:

@@ -10,7 +10,7 @@ import math
 
 from models.kernel.jit import compiled, internal
 from models.kernel.planar import evaluate_law
-from models.kernel.scalar import TINY, atan2
+from models.kernel.scalar import TINY, atan2, sincos
 from models.kernel.spatial_layout import ANGLES, COEFFICIENTS
 from models.kernel.vectors import cross
 
@@ -43,7 +43,7 @@ def coefficient_forces(u, v, w, wx, wy, wz, p):
     v2 = in_plane + v * v
     chord, speed = math.sqrt(in_plane), math.sqrt(v2)
     alpha, beta = atan2(w, u), atan2(v, chord)
-    ca, sa = u / (chord + TINY), w / (chord + TINY)
+    ca, sa = (u + TINY) / (chord + TINY), w / (chord + TINY)  # straight across the angle of attack is 0, not undefined
     cb, sb = chord / (speed + TINY), v / (speed + TINY)
     b, c = p.space[0], p.coefficients
     turning = b.rate_none + b.rate_speed * speed + b.rate_speed2 * v2
@@ -88,16 +88,39 @@ def bicubic(cell, j, s, t, p):
     return total
 
 
+@internal
+def from_flow(alpha, beta, x, y, z):
+    """Return a vector of the flow frame in body axes."""
+    sa, ca = sincos(alpha)
+    sb, cb = sincos(beta)
+    return ca * cb * x - ca * sb * y - sa * z, sb * x + cb * y, sa * cb * x - sa * sb * y + ca * z
+
+
+@internal
+def to_flow(alpha, beta, x, y, z):
+    """Return a vector of body axes in the flow frame."""
+    sa, ca = sincos(alpha)
+    sb, cb = sincos(beta)
+    return ca * cb * x + sb * y + sa * cb * z, -ca * sb * x + cb * y - sa * sb * z, ca * z - sa * x
+
+
 @compiled
 def angle_forces(u, v, w, p):
-    """Return the forces per density share by the table over both angles, held at its edges."""
+    """Return the forces per density share by the table over both angles.
+
+    Beyond its edges drag, side force and lift are held, so that drag opposes the motion there too; and the moments.
+    """
     v2 = u * u + v * v + w * w
-    alpha = min(max(atan2(w, u), p.grid_alpha[0]), p.grid_alpha[-1])
-    beta = min(max(atan2(v, math.sqrt(u * u + w * w)), p.grid_beta[0]), p.grid_beta[-1])
+    alpha_now, beta_now = atan2(w, u), atan2(v, math.sqrt(u * u + w * w))
+    alpha = min(max(alpha_now, p.grid_alpha[0]), p.grid_alpha[-1])
+    beta = min(max(beta_now, p.grid_beta[0]), p.grid_beta[-1])
     i, j = piece_of(alpha, p.grid_alpha), piece_of(beta, p.grid_beta)
     cell = i * (p.grid_beta.shape[0] - 1) + j
     s, t = alpha - p.grid_alpha[i], beta - p.grid_beta[j]
     x, y, z = v2 * bicubic(cell, 0, s, t, p), v2 * bicubic(cell, 1, s, t, p), v2 * bicubic(cell, 2, s, t, p)
+    if alpha != alpha_now or beta != beta_now:
+        x, y, z = to_flow(alpha, beta, x, y, z)
+        x, y, z = from_flow(alpha_now, beta_now, x, y, z)
     b = p.space[0]
     mx, my, mz = cross(b.reference_x, b.reference_y, b.reference_z, x, y, z)
     return (

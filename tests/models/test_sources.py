@@ -68,18 +68,39 @@ def test_between_its_points_the_law_closes_in_on_a_smooth_one():
 def test_the_kernel_reads_the_same_law(u, v, w):
     design = with_source(angle_table(reference_point=[0.1, -0.02, 0.03]))
     assembly = assemble(design)
-    _, moved = (forces_of(assembly, [u, v, w]) for _ in range(2))
+    moved = forces_of(assembly, [u, v, w])
     speed2 = u * u + v * v + w * w
     if speed2 < 1e-6:
         return
     law = build_grid_law(design.vehicle.hydrodynamics)
     expected = speed2 * law(np.arctan2(w, u), np.arcsin(np.clip(v / np.sqrt(speed2), -1.0, 1.0)))
     expected[3:] += np.cross([0.1, -0.02, 0.03], expected[:3])
-    density = float(simulate_density(assembly))
+    density = surface_density(assembly)
     np.testing.assert_allclose(moved, expected * density / 1000.0, atol=1e-10)
 
 
-def simulate_density(assembly):
+def test_beyond_its_edges_drag_still_opposes_the_motion():
+    law = build_grid_law(AngleTable.model_validate(angle_table(np.linspace(-20.0, 20.0, 9), np.linspace(0.0, 20.0, 5))))
+    for alpha in np.radians([-170.0, -60.0, 21.0, 90.0, 180.0]):
+        for beta in np.radians([-80.0, 0.0, 30.0]):
+            direction = np.array([np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta)])
+            assert law(alpha, beta)[:3] @ direction < -1.0
+            edge = np.clip(alpha, *np.radians([-20.0, 20.0])), np.clip(beta, *np.radians([-20.0, 20.0]))
+            np.testing.assert_allclose(np.linalg.norm(law(alpha, beta)[:3]), np.linalg.norm(law(*edge)[:3]), rtol=1e-12)
+
+
+@pytest.mark.parametrize("velocity", [[-0.5, 0.1, 0.2], [0.3, 0.5, 0.0], [0.1, -0.2, -0.6]])
+def test_the_kernel_holds_the_edges_as_the_law_does(velocity):
+    design = with_source(angle_table(np.linspace(-20.0, 20.0, 9), np.linspace(0.0, 20.0, 5)))
+    assembly = assemble(design)
+    u, v, w = velocity
+    speed2 = u * u + v * v + w * w
+    expected = speed2 * build_grid_law(design.vehicle.hydrodynamics)(np.arctan2(w, u), np.arcsin(v / np.sqrt(speed2)))
+    got = forces_of(assembly, velocity) * 1000.0 / surface_density(assembly)
+    np.testing.assert_allclose(got, expected, atol=1e-10)
+
+
+def surface_density(assembly):
     return assembly.params.water[0, 1]
 
 

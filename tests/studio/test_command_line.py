@@ -169,3 +169,42 @@ def test_another_address_demands_a_token(tmp_path):
     _, told = program.communicate(timeout=60)
     assert program.returncode == UNUSABLE
     assert "GLIDER_STUDIO_TOKEN" in told
+
+
+def test_attach_puts_a_profile_into_a_design(tmp_path, capsys):
+    design, profile, out = tmp_path / "quad.json", tmp_path / "ctd.csv", tmp_path / "out.json"
+    design.write_text(load_preset("quad-bellows-glide").to_json())
+    profile.write_text("depth,temperature,salinity\n0,20,35\n50,12,35.2\n200,8,35.1\n")
+    words = ["attach", str(design), "water", str(profile), "-o", str(out), "--latitude", "45", "--source", "Our CTD"]
+    assert main(words) == DONE
+    water = json.loads(out.read_text())["mission"]["environment"]["water"]
+    assert (water["kind"], water["latitude"], water["source"]) == ("teos10", 45.0, "Our CTD")
+    assert water["salinities"] == [35.0, 35.2, 35.1]
+    assert "net buoyancy with neutral cells" in capsys.readouterr().out, "salt water lifts a glider of fresh water"
+    profile.write_text("depth,temperature\n0,20\n10,warm\n")
+    assert main(words) == REFUSED
+    assert "warm" in capsys.readouterr().err
+
+
+def test_attach_puts_forces_over_both_angles_into_a_design(tmp_path):
+    design, table, out = tmp_path / "quad.json", tmp_path / "cfd.csv", tmp_path / "out.json"
+    design.write_text(load_preset("quad-bellows-glide").to_json())
+    rows = [
+        f"0.5,{a},{b},{-0.5},{-b * 0.01},{-a * 0.02},0,{-a * 0.001},{b * 0.001}"
+        for a in (-30, 0, 30)
+        for b in (0, 10, 20)
+    ]
+    table.write_text("speed,alpha_deg,beta_deg,X,Y,Z,K,M,N\n" + "\n".join(rows) + "\n")
+    assert main(["attach", str(design), "forces", str(table), "-o", str(out)]) == DONE
+    source = json.loads(out.read_text())["vehicle"]["hydrodynamics"]
+    assert source["kind"] == "angle_table" and source["surge"][0][0] == -2.0
+    assert main(["validate", str(out)]) == DONE
+
+
+def test_simulate_tells_of_a_spatial_run(tmp_path, capsys):
+    path = tmp_path / "spiral.json"
+    path.write_text(load_preset("quad-bellows-spiral").to_json())
+    assert main(["simulate", str(path)]) == DONE
+    printed = capsys.readouterr().out
+    assert re.search(r"roll -?1\d\.\d+ deg, heading .* turning .*radius 1\d\.\d+ m", printed)
+    assert re.search(r"energy      [\d.]+ J, \d+ J/km: hotel 2880.0 J, Front port cell [\d.]+ J", printed)
