@@ -16,12 +16,9 @@ def sides_exchanged(design: Design) -> Design:
     swap = {"port": "starboard", "starboard": "port"}
     cells = [schedule.cell.split() for schedule in design.mission.control.schedules]
     others = [" ".join(swap.get(word, word) for word in words) for words in cells]
+    pointers = [f"/mission/control/schedules/{i}/cell" for i in range(len(cells))]
     return apply_patch(
-        design,
-        [
-            {"op": "replace", "path": f"/mission/control/schedules/{i}/cell", "value": name}
-            for i, name in enumerate(others)
-        ],
+        design, [{"op": "replace", "path": p, "value": name} for p, name in zip(pointers, others, strict=True)]
     )
 
 
