@@ -49,14 +49,15 @@ def write_figures(folder: Path, studies: Sequence[Study]) -> list[str]:
     return [f"{name}.svg" for name in drawn]
 
 
-def _figure(width: float, height: float, **grid: Any) -> tuple[Figure, Any]:
+def new_figure(width: float, height: float, **grid: Any) -> tuple[Figure, Any]:
+    """Return a figure of this size (inches) and its axes, laid out so that nothing overlaps."""
     figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06))
     return figure, figure.subplots(**grid)
 
 
 def forces() -> Figure:
     """Draw the force coefficients: data of all speeds, their mean, and both laws, all around and on 0 to 90 deg."""
-    figure, axes = _figure(9.2, 8.4, nrows=3, ncols=2, sharex="col")
+    figure, axes = new_figure(9.2, 8.4, nrows=3, ncols=2, sharex="col")
     names = ("Lift / V² [N s²/m²]", "Drag / V² [N s²/m²]", "Moment / V² [N m s²/m²]")
     degrees = np.linspace(-180.0, 180.0, 721)
     laws = {law: build_law(edited(force_law(law, None)).vehicle.hydrodynamics) for law in ("pchip", "polynomial")}
@@ -91,7 +92,7 @@ def forces() -> Figure:
 def glide() -> Figure:
     """Draw the preset's path, and pitch, angle of attack and flow angle over time."""
     d = preset_run().data
-    figure, (left, right) = _figure(9.2, 4.0, ncols=2, width_ratios=(1.0, 1.1))
+    figure, (left, right) = new_figure(9.2, 4.0, ncols=2, width_ratios=(1.0, 1.1))
     left.plot(d["x"], d["z"], color=PATH)
     for t, offset in ((0.0, (7, 2)), (5.0, (7, 4)), (10.0, (-4, -15)), (15.0, (8, -8)), (20.0, (-8, 8))):
         at = d.sel(time=t, method="nearest")
@@ -121,7 +122,7 @@ def _mark_switch(ax: Axes) -> None:
 def snapshots() -> Figure:
     """Draw the glider to scale at several instants, with the path so far and to come."""
     d = preset_run().data
-    figure, axes = _figure(9.2, 3.7, nrows=2, ncols=5, sharex=True, sharey=True)
+    figure, axes = new_figure(9.2, 3.7, nrows=2, ncols=5, sharex=True, sharey=True)
     x, z, time = d["x"].values, d["z"].values, d["time"].values
     front = next(c for c in preset().vehicle.components if isinstance(c, Bellows) and c.position[0] > 0.0)
     for ax, t in zip(axes.flat, SNAPSHOTS, strict=True):
@@ -179,7 +180,7 @@ def _outline(component: Component, shape: Shape, extensions: dict[str, float]) -
 
 def comparison(study: Study) -> Figure:
     """Overlay the glides of one study: depth gained over distance, and pitch over time."""
-    figure, (left, right) = _figure(9.2, 4.1, ncols=2, width_ratios=(1.0, 1.0))
+    figure, (left, right) = new_figure(9.2, 4.1, ncols=2, width_ratios=(1.0, 1.0))
     reference = next(case for case in study.cases if case.reference)
     for case, style in zip(study.cases, _styles(study), strict=True):
         left.plot(case.distance, case.depth, label=case.label, **style)

@@ -1,10 +1,13 @@
-"""Owns how docs/paper.md prints numbers and tables: few digits, so that another processor prints the same text."""
+"""Owns how computed pages print numbers, tables and prose: few digits, so that another processor prints the same."""
 
 from __future__ import annotations
 
 import math
+import re
+import textwrap
 from collections.abc import Sequence
 
+WIDTH = 118
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -45,3 +48,20 @@ def markdown_table(header: Sequence[str], rows: Sequence[Sequence[str]], left: i
     """Return a Markdown table whose first `left` columns are aligned left, the others right."""
     rule = ["---"] * left + ["---:"] * (len(header) - left)
     return "\n".join("| " + " | ".join(row) + " |" for row in (header, rule, *rows))
+
+
+def page_of(sections: Sequence[str]) -> str:
+    """Return a page of its sections, prose wrapped anew since numbers took the places of expressions."""
+    return "\n\n".join(_wrapped(block) for block in "\n".join(sections).strip().split("\n\n")) + "\n"
+
+
+def _wrapped(block: str) -> str:
+    """Wrap prose and the items of a list; keep headings, tables and pictures."""
+    if block.lstrip().startswith(("#", "|", "![")):
+        return block.strip("\n")
+    wrapper = textwrap.TextWrapper(WIDTH, break_long_words=False, break_on_hyphens=False)
+    lines = []
+    for item in re.split(r"\n(?=- )", block.strip()):
+        wrapper.subsequent_indent = "  " if item.startswith("- ") else ""
+        lines += wrapper.wrap(" ".join(item.split()))
+    return "\n".join(lines)

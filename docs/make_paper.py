@@ -6,8 +6,6 @@ which hang on single steps, as one digit and a power of ten.
 
 from __future__ import annotations
 
-import re
-import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +13,7 @@ from numpy.typing import NDArray
 
 from docs.differences import differences_section, law_section, model_section
 from docs.figures import write_figures
-from docs.formatting import bound, markdown_table, num, order_of, signed
+from docs.formatting import bound, markdown_table, num, order_of, page_of, signed
 from docs.printed_model import PrintedModel
 from docs.studies import (
     DEEP,
@@ -40,7 +38,6 @@ from models.simulate import simulate
 DOCS = Path(__file__).parent
 FINE_STEP = 5e-4
 """Step of the run that errors are measured against, s."""
-WIDTH = 118
 
 INTRODUCTION = """# Comparison with the paper
 
@@ -270,20 +267,7 @@ def paper_text(printed: Study, studies: tuple[Study, ...]) -> str:
         INTRODUCTION, model_section(), differences_section(study_table(printed)), law_section(), glide_section(),
         sensitivity_section(studies), check_section(), limits_section(),
     )  # fmt: skip
-    return "\n\n".join(_wrapped(block) for block in "\n".join(sections).strip().split("\n\n")) + "\n"
-
-
-def _wrapped(block: str) -> str:
-    """Wrap prose and the items of a list anew, since numbers took the places of expressions; keep all else."""
-    if block.lstrip().startswith(("#", "|", "![")):
-        return block.strip("\n")
-    items = re.split(r"\n(?=- )", block.strip())
-    wrapper = textwrap.TextWrapper(WIDTH, break_long_words=False, break_on_hyphens=False)
-    lines = []
-    for item in items:
-        wrapper.subsequent_indent = "  " if item.startswith("- ") else ""
-        lines += wrapper.wrap(" ".join(item.split()))
-    return "\n".join(lines)
+    return page_of(sections)
 
 
 def make(folder: Path = DOCS) -> list[str]:

@@ -6,13 +6,11 @@ Numbers are printed with so few digits that the rounding of another processor do
 from __future__ import annotations
 
 import math
-import re
-import textwrap
 from pathlib import Path
 
 import numpy as np
 
-from docs.formatting import bound, markdown_table, num, percent, signed
+from docs.formatting import bound, markdown_table, num, page_of, percent, signed
 from docs.quad_studies import (
     DENSE,
     MOTION,
@@ -39,7 +37,6 @@ from models.presets import quad_hydrodynamics as water
 from models.presets import strip_theory as strips
 
 DOCS = Path(__file__).parent
-WIDTH = 118
 ANGLES = (0.0, 5.0, 10.0, 15.0)
 PAPER_CELL_FORCE = 0.4
 """What one of the paper's bellows makes over its stroke, N (its section I.B)."""
@@ -381,20 +378,13 @@ def page() -> str:
         INTRODUCTION, geometry_section(), plane_section(), lateral_section(), added_mass_section(), yaw_section(),
         cells_section(), missions_section(), sensitivity_section(), LIMITS,
     )  # fmt: skip
-    return "\n\n".join(wrapped(block) for block in "\n\n".join(s.strip() for s in sections).split("\n\n")) + "\n"
+    return page_of([f"{section.strip()}\n" for section in sections])
 
 
-def wrapped(block: str) -> str:
-    """Wrap prose and the items of a list anew, since numbers took the places of expressions; keep all else."""
-    if block.lstrip().startswith(("#", "|")):
-        return block.strip("\n")
-    wrapper = textwrap.TextWrapper(WIDTH, break_long_words=False, break_on_hyphens=False)
-    lines = []
-    for item in re.split(r"\n(?=- )", block.strip()):
-        wrapper.subsequent_indent = "  " if item.startswith("- ") else ""
-        lines += wrapper.wrap(" ".join(item.split()))
-    return "\n".join(lines)
+def make(folder: Path = DOCS) -> None:
+    """Write quad_glider.md into the folder."""
+    (folder / "quad_glider.md").write_text(page(), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    (DOCS / "quad_glider.md").write_text(page(), encoding="utf-8")
+    make()
