@@ -10,6 +10,7 @@ import math
 
 from models.kernel.jit import compiled, inlined
 from models.kernel.params import EXTENSIONS, Q, U, W, Z
+from models.kernel.search import last_not_above
 
 STEADY, LAGGING = 0.0, 1.0
 MODE, RATE, TARGET, SLOPE, START = range(5)
@@ -147,10 +148,11 @@ def lag_corner(gap, slope, rate, lag):
 @inlined
 def next_current_time(t, p):
     """Return the next time at which the current has a corner; infinity if there is none."""
-    for j in range(p.current_times.shape[0]):
-        if p.current_times[j] > t + SAME_TIME * max(1.0, abs(t)):
-            return p.current_times[j]
-    return math.inf
+    now = t + SAME_TIME * max(1.0, abs(t))
+    if p.current_times[0] > now:
+        return p.current_times[0]
+    j = last_not_above(now, p.current_times) + 1
+    return p.current_times[j] if j < p.current_times.shape[0] else math.inf
 
 
 @compiled

@@ -45,7 +45,7 @@ def ends_run(kind, p):
 def find_event(pair, h, y, p, work):
     """Return the kind of the event within the step from y to `work.y1`, and at which fraction of it that happens."""
     z = p.space[0].depth
-    kind = SURFACE if distance_to(SURFACE, work.y1[z], p) < 0.0 else BED
+    kind = SURFACE if work.armed[0] == 1 and distance_to(SURFACE, work.y1[z], p) < 0.0 else BED
     work.armed[0 if kind == SURFACE else 1] = 0
     make_dense(pair, h, y, work)
     low, high = 0.0, 1.0

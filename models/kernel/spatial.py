@@ -39,8 +39,9 @@ BED_SOFTNESS = 1e-3
 
 
 @internal
-def solve_block(m, sx, sy, sz, xx, yy, zz, xy, xz, yz, A, fx, fy, fz, mx, my, mz):
+def solve_block(m, masses, A, fx, fy, fz, mx, my, mz):
     """Solve (M_RB + M_A) nu' = forces by blocks: the linear part first, then its Schur complement."""
+    sx, sy, sz, xx, yy, zz, xy, xz, yz = masses
     i11, i22, i33, i12, i13, i23 = inverse_symmetric(m + A[0, 0], m + A[1, 1], m + A[2, 2], A[0, 1], A[0, 2], A[1, 2])
     # B, the upper right block: A's own and -S(m r_G)
     b11, b12, b13 = A[0, 3], A[0, 4] + sz, A[0, 5] - sy
@@ -112,64 +113,107 @@ def bed_force(depth, sink, p):
     return max(s.bed_stiffness * depth + s.bed_damping * sink * depth / (depth + BED_SOFTNESS), 0.0)
 
 
+@internal
+def through_water(y, flow):
+    """Return the velocity through the water and the angular velocity, body axes."""
+    cx, cy, cz = flow[0]
+    return y[U] - cx, y[V] - cy, y[W] - cz, y[P], y[Q], y[R]
+
+
+@internal
+def water_acceleration(y, flow):
+    """Return d/dt (R^T v_c): by depth and time, and because the body turns."""
+    (cx, cy, cz), (gx, gy, gz), (ax, ay, az) = flow
+    jx, jy, jz = cross(y[P], y[Q], y[R], cx, cy, cz)
+    return gx + ax - jx, gy + ay - jy, gz + az - jz
+
+
+@internal
+def water_forces(y, nu_r, flow, displaced, p):
+    """Return what the water does: source, damping, and what carries displaced water along as the current changes."""
+    density, _pressure = density_and_pressure(y[Z], p)
+    f = source_forces(nu_r[0], nu_r[1], nu_r[2], nu_r[3], nu_r[4], nu_r[5], density, p)
+    d = times6(p.damping, nu_r[0], nu_r[1], nu_r[2], nu_r[3], nu_r[4], nu_r[5])
+    B, Bx, By, Bz, _potential = displaced
+    ax, ay, az = flow[2]
+    tx, ty, tz = cross(Bx, By, Bz, ax, ay, az)
+    return (
+        f[0] - d[0] + B * ax, f[1] - d[1] + B * ay, f[2] - d[2] + B * az,
+        f[3] - d[3] + tx, f[4] - d[4] + ty, f[5] - d[5] + tz,
+    )  # fmt: skip
+
+
+@internal
+def still_forces(rot, masses, displaced, bed, p):
+    """Return weight, buoyancy and the bed's push along the vertical, and the moment of the first two."""
+    s = p.space[0]
+    kx, ky, kz = rot[6], rot[7], rot[8]
+    B, Bx, By, Bz, _potential = displaced
+    down = s.gravity * (s.mass - B) - bed
+    g = s.gravity
+    tx, ty, tz = cross(masses[0] - Bx, masses[1] - By, masses[2] - Bz, g * kx, g * ky, g * kz)
+    return down * kx, down * ky, down * kz, tx, ty, tz
+
+
+@internal
+def coriolis_forces(y, nu_r, masses, momentum, p):
+    """Return C_RB(nu) nu + C_A(nu_r) nu_r by the momenta of the body and of the added mass (`momentum`)."""
+    sx, sy, sz, xx, yy, zz, xy, xz, yz = masses
+    m = p.space[0].mass
+    u, v, w, wx, wy, wz = y[U], y[V], y[W], y[P], y[Q], y[R]
+    ox, oy, oz = cross(wx, wy, wz, sx, sy, sz)
+    px, py, pz = m * u + ox, m * v + oy, m * w + oz
+    lx, ly, lz = times_symmetric(xx, yy, zz, xy, xz, yz, wx, wy, wz)
+    ix, iy, iz = cross(sx, sy, sz, u, v, w)
+    fx, fy, fz = cross(wx, wy, wz, px + momentum[0], py + momentum[1], pz + momentum[2])
+    tx, ty, tz = cross(wx, wy, wz, lx + ix + momentum[3], ly + iy + momentum[4], lz + iz + momentum[5])
+    bx, by, bz = cross(u, v, w, px, py, pz)
+    ax, ay, az = cross(nu_r[0], nu_r[1], nu_r[2], momentum[0], momentum[1], momentum[2])
+    return fx, fy, fz, tx + bx + ax, ty + by + ay, tz + bz + az
+
+
 @compiled
 def spatial_derivative(t, y, p, drive, dy):
     """Write dy/dt into `dy`: kinematics, accelerations, work rates, extension and battery rates."""
-    s, A = p.space[0], p.added
-    u, v, w, wx, wy, wz = y[U], y[V], y[W], y[P], y[Q], y[R]
     rot = attitude(y)
-    kx, ky, kz = rot[6], rot[7], rot[8]
-    (cx, cy, cz), (gx, gy, gz), (ax, ay, az) = water_velocity(t, y, p, rot)
-    ru, rv, rw = u - cx, v - cy, w - cz
-    power = move_members(t, y, p, drive, dy, kx, ky, kz)
-    sx, sy, sz, xx, yy, zz, xy, xz, yz = masses_at(y, p)
-    B, Bx, By, Bz, _potential = displaced_water(y, kx, ky, kz, p)
-    density, _pressure = density_and_pressure(y[Z], p)
-
-    # the water: source, damping, and what carries displaced water along where the current changes in time
-    hx, hy, hz, hk, hm, hn = source_forces(ru, rv, rw, wx, wy, wz, density, p)
-    dx, dy_, dz, dk, dm, dn = times6(p.damping, ru, rv, rw, wx, wy, wz)
-    tx, ty, tz = cross(Bx, By, Bz, ax, ay, az)
-    hx, hy, hz = hx - dx + B * ax, hy - dy_ + B * ay, hz - dz + B * az
-    hk, hm, hn = hk - dk + tx, hm - dm + ty, hn - dn + tz
-
-    # weight and buoyancy along k, their moment, and the bed
-    sink = kx * u + ky * v + kz * w
+    flow = water_velocity(t, y, p, rot)
+    nu_r = through_water(y, flow)
+    power = move_members(t, y, p, drive, dy, rot[6], rot[7], rot[8])
+    masses = masses_at(y, p)
+    displaced = displaced_water(y, rot[6], rot[7], rot[8], p)
+    sink = rot[6] * y[U] + rot[7] * y[V] + rot[8] * y[W]
     bed = bed_force(y[Z], sink, p)
-    down = s.gravity * (s.mass - B) - bed
-    wk, wm, wn = cross(sx - Bx, sy - By, sz - Bz, s.gravity * kx, s.gravity * ky, s.gravity * kz)
+    momentum = times6(p.added, nu_r[0], nu_r[1], nu_r[2], nu_r[3], nu_r[4], nu_r[5])
+    a_c = water_acceleration(y, flow)
 
-    # momenta of the body and of the added mass, and their Coriolis terms
-    ox, oy, oz = cross(wx, wy, wz, sx, sy, sz)
-    px, py, pz = s.mass * u + ox, s.mass * v + oy, s.mass * w + oz
-    lx, ly, lz = times_symmetric(xx, yy, zz, xy, xz, yz, wx, wy, wz)
-    ix, iy, iz = cross(sx, sy, sz, u, v, w)
-    ex, ey, ez, ek, em, en = times6(A, ru, rv, rw, wx, wy, wz)
-    fx, fy, fz = cross(wx, wy, wz, px + ex, py + ey, pz + ez)
-    qx, qy, qz = cross(wx, wy, wz, lx + ix + ek, ly + iy + em, lz + iz + en)
-    ux, uy, uz = cross(u, v, w, px, py, pz)
-    mx, my, mz = cross(ru, rv, rw, ex, ey, ez)
-
-    # the water's own acceleration seen from the body, d/dt (R^T v_c)
-    jx, jy, jz = cross(wx, wy, wz, cx, cy, cz)
-    jx, jy, jz = gx + ax - jx, gy + ay - jy, gz + az - jz
-    bx, by, bz, bk, bm, bn = times6(A, jx, jy, jz, 0.0, 0.0, 0.0)
-
-    du, dv, dw, dp, dq, dr = solve_block(
-        s.mass, sx, sy, sz, xx, yy, zz, xy, xz, yz, A,
-        hx + down * kx - fx + bx, hy + down * ky - fy + by, hz + down * kz - fz + bz,
-        hk + wk - qx - ux - mx + bk, hm + wm - qy - uy - my + bm, hn + wn - qz - uz - mz + bn,
+    by_water = water_forces(y, nu_r, flow, displaced, p)
+    still = still_forces(rot, masses, displaced, bed, p)
+    coriolis = coriolis_forces(y, nu_r, masses, momentum, p)
+    carried = times6(p.added, a_c[0], a_c[1], a_c[2], 0.0, 0.0, 0.0)
+    nu_dot = solve_block(
+        p.space[0].mass, masses, p.added,
+        by_water[0] + still[0] - coriolis[0] + carried[0], by_water[1] + still[1] - coriolis[1] + carried[1],
+        by_water[2] + still[2] - coriolis[2] + carried[2], by_water[3] + still[3] - coriolis[3] + carried[3],
+        by_water[4] + still[4] - coriolis[4] + carried[4], by_water[5] + still[5] - coriolis[5] + carried[5],
     )  # fmt: skip
 
     write_kinematics(y, rot, dy)
-    dy[U], dy[V], dy[W], dy[P], dy[Q], dy[R] = du, dv, dw, dp, dq, dr
-    # C_A(nu_r) nu_r does work on the current through its force alone
-    nx, ny, nz, _nk, _nm, _nn = times6(A, du - jx, dv - jy, dw - jz, dp, dq, dr)
-    vx, vy, vz = cross(wx, wy, wz, ex, ey, ez)
-    dy[WORK_WATER] = u * hx + v * hy + w * hz + wx * hk + wy * hm + wz * hn
-    dy[WORK_WATER] -= cx * (nx + vx) + cy * (ny + vy) + cz * (nz + vz)
+    dy[U], dy[V], dy[W], dy[P], dy[Q], dy[R] = nu_dot
+    dy[WORK_WATER] = power_of_water(y, flow, a_c, by_water, momentum, nu_dot, p)
     dy[WORK_ACTUATORS] = power
     dy[WORK_BED] = -bed * sink
+
+
+@internal
+def power_of_water(y, flow, a_c, by_water, momentum, nu_dot, p):
+    """Return nu^T tau - nu_c^T (M_A nu_r' + C_A(nu_r) nu_r), W: the current does work through the force alone."""
+    cx, cy, cz = flow[0]
+    u, v, w, wx, wy, wz = y[U], y[V], y[W], y[P], y[Q], y[R]
+    own = u * by_water[0] + v * by_water[1] + w * by_water[2]
+    own += wx * by_water[3] + wy * by_water[4] + wz * by_water[5]
+    n = times6(p.added, nu_dot[0] - a_c[0], nu_dot[1] - a_c[1], nu_dot[2] - a_c[2], nu_dot[3], nu_dot[4], nu_dot[5])
+    tx, ty, tz = cross(wx, wy, wz, momentum[0], momentum[1], momentum[2])
+    return own - (cx * (n[0] + tx) + cy * (n[1] + ty) + cz * (n[2] + tz))
 
 
 @internal

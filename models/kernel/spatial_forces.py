@@ -11,6 +11,7 @@ import math
 from models.kernel.jit import compiled, internal
 from models.kernel.planar import evaluate_law
 from models.kernel.scalar import TINY, atan2, sincos
+from models.kernel.search import last_not_above
 from models.kernel.spatial_layout import ANGLES, COEFFICIENTS
 from models.kernel.vectors import cross
 
@@ -66,19 +67,6 @@ def coefficient_forces(u, v, w, wx, wy, wz, p):
 
 
 @internal
-def piece_of(angle, breaks):
-    """Return the index of the piece that holds an angle, by bisection."""
-    low, high = 0, breaks.shape[0] - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if breaks[middle] <= angle:
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-@internal
 def bicubic(cell, j, s, t, p):
     """Return quantity j of a cell of the table at s, t beyond its corner."""
     c = p.grid[cell, j]
@@ -114,7 +102,8 @@ def angle_forces(u, v, w, p):
     alpha_now, beta_now = atan2(w, u), atan2(v, math.sqrt(u * u + w * w))
     alpha = min(max(alpha_now, p.grid_alpha[0]), p.grid_alpha[-1])
     beta = min(max(beta_now, p.grid_beta[0]), p.grid_beta[-1])
-    i, j = piece_of(alpha, p.grid_alpha), piece_of(beta, p.grid_beta)
+    i = min(last_not_above(alpha, p.grid_alpha), p.grid_alpha.shape[0] - 2)
+    j = min(last_not_above(beta, p.grid_beta), p.grid_beta.shape[0] - 2)
     cell = i * (p.grid_beta.shape[0] - 1) + j
     s, t = alpha - p.grid_alpha[i], beta - p.grid_beta[j]
     x, y, z = v2 * bicubic(cell, 0, s, t, p), v2 * bicubic(cell, 1, s, t, p), v2 * bicubic(cell, 2, s, t, p)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from models.kernel.jit import internal
+from models.kernel.search import last_not_above
 
 
 @internal
@@ -65,9 +66,7 @@ def velocity_of_row(z, row, p):
 def current_at(z, t, p):
     """Return the current north, east (m/s), its change with depth (1/s) and its change with time (m/s2)."""
     last = p.current_times.shape[0] - 1
-    j = 0
-    while j < last and t >= p.current_times[j + 1]:
-        j += 1
+    j = last_not_above(t, p.current_times)
     levels = p.space[0].levels
     row = current_row(z, j * levels, p)
     x, y, x_z, y_z = velocity_of_row(z, row, p)

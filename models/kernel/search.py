@@ -1,0 +1,18 @@
+"""Owns the search of an ordered table."""
+
+from __future__ import annotations
+
+from models.kernel.jit import internal
+
+
+@internal
+def last_not_above(value, ordered):
+    """Return the index of the last entry that is not above a value, by bisection; 0 where the first is."""
+    low, high = 0, ordered.shape[0]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if ordered[middle] <= value:
+            low = middle
+        else:
+            high = middle
+    return low
