@@ -28,8 +28,10 @@ def open_preset(page: Page, url: str, preset: str) -> None:
         close.nth(k).click()
 
 
-def show(page: Page, t: float, name: str) -> None:
-    """Move the clock and take the picture."""
+def show(page: Page, t: float, name: str, camera: str) -> None:
+    """Look from a camera, move the clock and take the picture."""
+    if camera != "side":
+        page.get_by_test_id(f"camera-{camera}").click()
     page.evaluate(f"() => window.__studio.clock.seek({t})")
     page.wait_for_timeout(SETTLE)
     page.screenshot(path=IMAGES / f"{name}.png", timeout=60_000)
@@ -39,15 +41,17 @@ def main() -> None:
     """Take every picture."""
     with running_program() as program, sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=shutil.which("chromium"), headless=True, args=FLAGS)
-        for name, scheme, preset, t, size in (
-            ("studio", "dark", "canete-dual-bellows", 6.0, (1400, 900)),
-            ("studio-light", "light", "canete-dual-bellows", 12.0, (1400, 900)),
-            ("studio-three-cells", "dark", "three-cell-glider", 30.0, (1400, 900)),
-            ("studio-small", "dark", "canete-dual-bellows", 6.0, (1280, 720)),
+        for name, scheme, preset, t, camera, size in (
+            ("studio", "dark", "canete-dual-bellows", 6.0, "side", (1400, 900)),
+            ("studio-light", "light", "canete-dual-bellows", 12.0, "side", (1400, 900)),
+            ("studio-three-cells", "dark", "three-cell-glider", 30.0, "side", (1400, 900)),
+            ("studio-small", "dark", "canete-dual-bellows", 6.0, "side", (1280, 720)),
+            ("studio-spiral", "dark", "quad-bellows-spiral", 576.0, "chase", (1400, 900)),
+            ("studio-overview", "dark", "seawing-spiral", 1200.0, "overview", (1400, 900)),
         ):
             page = chromium.new_page(viewport={"width": size[0], "height": size[1]}, color_scheme=scheme)
             open_preset(page, program.url, preset)
-            show(page, t, name)
+            show(page, t, name, camera)
             page.close()
         page = chromium.new_page(viewport={"width": 1400, "height": 900}, color_scheme="dark")
         page.goto(program.url)

@@ -26,6 +26,31 @@ export function scientific(value, digits = 1) {
   return `${mantissa.replace("-", "\u2212")}\u00d710${power}`;
 }
 
+const pad = (n) => String(n).padStart(2, "0");
+
+// A moment of a run that ends at `end`: seconds of a short one, minutes or hours of a long one.
+function moment(t, end) {
+  const whole = Math.floor(t + 1e-9);
+  const [hours, minutes, seconds] = [Math.floor(whole / 3600), Math.floor((whole % 3600) / 60), whole % 60];
+  return longerThan(end).symbol === "h" ? `${hours}:${pad(minutes)}:${pad(seconds)}` : `${60 * hours + minutes}:${pad(seconds)}`;
+}
+
+// The unit of a time axis that ends at `end` seconds.
+export function longerThan(end) {
+  if (end > 3 * 3600) return { symbol: "h", per: 3600 };
+  return end > 180 ? { symbol: "min", per: 60 } : { symbol: "s", per: 1 };
+}
+
+export function clockText(t, end, { digits = 1, unit = true } = {}) {
+  const { symbol } = longerThan(end);
+  return `${symbol === "s" ? fixed(t, digits) : moment(t, end)}${unit ? ` ${symbol}` : ""}`;
+}
+
+// How people read an extension: millimetres, or degrees of what rolls. `snap` is the step of a drag, in SI.
+export function extensionScale(unit) {
+  return unit === "rad" ? { symbol: "°", per: DEGREES, digits: 1, snap: 1 / DEGREES } : { symbol: "mm", per: 1e3, digits: 2, snap: 1e-4 };
+}
+
 export function clockTime(iso) {
   const date = new Date(iso);
   if (Number.isNaN(date.getTime())) return "";

@@ -1,13 +1,16 @@
 // One cell's lane: its command (wide, pale), its actual extension (thin), and points to drag.
 
 import { el, setText, svg, swatch } from "./dom.js";
-import { fixed, millimetres } from "./format.js";
+import { extensionScale, fixed } from "./format.js";
 import { clamp, timeRange } from "./schedule.js";
 import { at, commandCorners, extent, locate } from "./series.js";
+import { timeStep } from "./timescale.js";
 
 export const LANE_HEIGHT = 38;
 const PAD = 8;
 const SMALLEST_SHARE = 0.2; // of the whole stroke: below that a lane would show noise
+const DOT = 5.5; // radius of a point in pixels; smaller where many share a lane
+const SMALLEST_DOT = 2.8;
 const CLICK_SLOP = 3; // pixels a press may wander and still be a click
 
 const attributes = (node, values) => {
@@ -35,12 +38,13 @@ export class Lane {
 
   update(schedule, component, { run, revision, duration }) {
     Object.assign(this, { schedule, component, run, revision, duration });
+    this.unit = extensionScale(component?.unit);
     this.cell = run?.cells.find((c) => c.name === schedule.cell) ?? null;
     if (this.settled) this.draft = null;
     this.root.style.setProperty("--cell", schedule.color);
     this.root.dataset.testid = `lane-${schedule.cell}`;
     attributes(this.name, { title: `${schedule.cell}: show in the editor` });
-    this.name.replaceChildren(swatch(schedule.color), schedule.cell);
+    this.name.replaceChildren(swatch(schedule.color), el("span", {}, schedule.cell));
     attributes(this.svg, { "aria-label": `${schedule.cell} schedule. Double-click adds a point.` });
     this.draw();
   }
@@ -76,11 +80,11 @@ export class Lane {
     const inner = [scale.x(0), 0, scale.span, LANE_HEIGHT];
     attributes(this.plot, { x: inner[0], y: 0, width: inner[2], height: LANE_HEIGHT, viewBox: inner.join(" ") });
     attributes(this.back, { x: scale.x(0), y: 2, width: scale.span, height: LANE_HEIGHT - 4 });
-    const digits = high - low < 0.002 ? 2 : 1;
+    const digits = this.unit.symbol === "°" ? 0 : high - low < 0.002 ? 2 : 1;
     attributes(this.high, { x: scale.x(0) - 6, y: 13 });
     attributes(this.low, { x: scale.x(0) - 6, y: LANE_HEIGHT - 5 });
-    setText(this.high, millimetres(high, digits));
-    setText(this.low, millimetres(low, digits));
+    setText(this.high, fixed(high * this.unit.per, digits));
+    setText(this.low, fixed(low * this.unit.per, digits));
     const corners = commandCorners(this.points, this.startValue(), scale.end);
     this.command.setAttribute("d", this.pathOf(corners.map((c) => c[0]), corners.map((c) => c[1])));
     this.actual.setAttribute("d", this.cell ? this.pathOf(this.run.columns.t, this.cell.extension) : "");
@@ -100,18 +104,19 @@ export class Lane {
     const { points } = this;
     while (this.circles.length > points.length) this.circles.pop().remove();
     while (this.circles.length < points.length) this.circles.push(this.makePoint(this.circles.length));
+    const r = clamp(this.scale.span / (3 * points.length), SMALLEST_DOT, DOT).toFixed(1);
     points.forEach((point, k) => {
       const words = point.shape === "ramp" ? "ramp up to" : "step at";
       attributes(this.circles[k], {
-        cx: this.scale.x(point.time), cy: this.y(point.extension),
+        cx: this.scale.x(point.time), cy: this.y(point.extension), r,
         "data-testid": `point-${this.schedule.cell}-${k}`,
-        "aria-label": `${this.schedule.cell} point ${k + 1}: ${words} ${fixed(point.time, 2)} s, ${millimetres(point.extension)} mm`,
+        "aria-label": `${this.schedule.cell} point ${k + 1}: ${words} ${fixed(point.time, 2)} s, ${this.told(point.extension)}`,
       });
     });
   }
 
   makePoint(k) {
-    const dot = svg("circle", { class: "dot", r: 5.5, tabindex: 0, role: "button", "aria-haspopup": "dialog" });
+    const dot = svg("circle", { class: "dot", tabindex: 0, role: "button", "aria-haspopup": "dialog" });
     dot.addEventListener("pointerdown", (event) => event.button === 0 && this.press(event, k));
     dot.addEventListener("pointermove", (event) => this.move(event));
     dot.addEventListener("pointerup", () => this.release(true));
@@ -136,10 +141,15 @@ export class Lane {
     return low + ((LANE_HEIGHT - PAD - y) / (LANE_HEIGHT - 2 * PAD)) * (high - low);
   }
 
-  // Tenths of a second and of a millimetre unless Alt asks for all the digits.
+  told(extension) {
+    return `${fixed(extension * this.unit.per, this.unit.digits)} ${this.unit.symbol}`;
+  }
+
+  // Tenths of a second and of a millimetre (whole degrees) unless Alt asks for all the digits.
   snapped(time, extension, free) {
-    const e = free ? extension : Math.round(extension * 1e4) / 1e4;
-    return [free ? time : Math.round(time * 10) / 10, clamp(e, this.component?.extension_min, this.component?.extension_max)];
+    const step = timeStep(this.scale.end);
+    const e = free ? extension : Math.round(extension / this.unit.snap) * this.unit.snap;
+    return [free ? time : Math.round(time / step) * step, clamp(e, this.component?.extension_min, this.component?.extension_max)];
   }
 
   press(event, k) {
@@ -192,7 +202,8 @@ export class Lane {
   }
 
   key(event, k) {
-    const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 1e-4], ArrowDown: [0, -1e-4] }[event.key];
+    const [dt, de] = [timeStep(this.scale.end), this.unit.snap];
+    const step = { ArrowLeft: [-dt, 0], ArrowRight: [dt, 0], ArrowUp: [0, de], ArrowDown: [0, -de] }[event.key];
     if (step) {
       const now = this.points[k];
       const [time, extension] = this.snapped(now.time + step[0], now.extension + step[1], event.altKey);
@@ -212,12 +223,12 @@ export class Lane {
 
   showTime(t) {
     const e = this.cell ? at(this.cell.extension, locate(this.run.columns.t, t)) : this.startValue();
-    setText(this.value, `${millimetres(e)} mm`);
+    setText(this.value, this.told(e));
   }
 
   describe(t) {
     if (!this.cell) return [];
     const place = locate(this.run.columns.t, t);
-    return [["Command", `${millimetres(at(this.cell.command, place))} mm`], ["Actual", `${millimetres(at(this.cell.extension, place))} mm`]];
+    return [["Command", this.told(at(this.cell.command, place))], ["Actual", this.told(at(this.cell.extension, place))]];
   }
 }

@@ -9,7 +9,7 @@ import { connectOverlays } from "./overlays.js";
 import { connectPolar } from "./polar.js";
 import { connectReadouts } from "./readouts.js";
 import { rememberSession } from "./recent.js";
-import { largestForce, positionAt, sceneAt, visibility } from "./scene.js";
+import { largestForce, pathBox, positionAt, sceneAt, visibility } from "./scene.js";
 import { createActions, follow } from "./session.js";
 import { createStore } from "./store.js";
 import { Timeline } from "./timeline.js";
@@ -38,7 +38,8 @@ const actions = createActions(store);
 // Without a run there is nothing to point the arrows by.
 function shown() {
   const view = store.get("view");
-  return { ...view, forces: view.forces && Boolean(store.get("state")?.run) };
+  const run = store.get("state")?.run;
+  return { ...view, forces: view.forces && Boolean(run), spatial: run?.model === "spatial" };
 }
 
 const viewer = new Viewer($("view"), {
@@ -49,14 +50,18 @@ const viewer = new Viewer($("view"), {
   postClock,
 });
 
+const BEACON = 0.012; // of the path's size: how large the ball that stands for the glider is in the overview
 let largest = 0;
 let anchor = null; // what the view stays on: the glider, or where it was when following was turned off
 function showScene() {
   const state = store.get("state");
   if (!state?.run) return;
-  const { follow: following, exaggeration } = store.get("view");
-  if (following || !anchor) anchor = positionAt(state.run, clock.t);
-  viewer.show(sceneAt(state, clock.t, { anchor, exaggeration, largest }), clock.t);
+  const { follow: following, exaggeration, camera } = store.get("view");
+  const far = camera === "overview" && pathBox(state.run);
+  if (far && !following) anchor = far.middle;
+  else if (following || !anchor) anchor = positionAt(state.run, clock.t);
+  // Chasing means to stay behind: the view turns with the glider.
+  viewer.show(sceneAt(state, clock.t, { anchor, exaggeration, largest, turning: camera === "chase", beacon: far && BEACON * far.size }), clock.t);
 }
 
 store.watch(["state"], ({ state }) => {

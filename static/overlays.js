@@ -6,12 +6,13 @@ import { at, locate } from "./series.js";
 
 const TOGGLES = { "toggle-follow": "follow", "toggle-forces": "forces", "toggle-centers": "centers", "toggle-path": "path" };
 
-const FORCES = ["net_buoyancy", "lift", "drag"];
+const FORCES = ["net_buoyancy", "lift", "drag", "side_force"];
 
 function showForces(store, clock) {
   const run = store.get("state")?.run;
   $("forces").hidden = !run || !store.get("view").forces;
   if ($("forces").hidden) return;
+  $("force-side").hidden = !run.columns.side_force;
   const place = locate(run.columns.t, clock.t);
   for (const key of FORCES) setText($(`force-${key}`), fixed(at(run.columns[key], place), 4));
 }
@@ -24,7 +25,11 @@ export function connectOverlays({ store, clock, setCamera }) {
   $("exaggeration").addEventListener("change", () => change({ exaggeration: Number($("exaggeration").value) }));
   for (const button of document.querySelectorAll("[data-camera]")) {
     button.addEventListener("click", () => {
-      change({ camera: button.dataset.camera });
+      // The overview holds the path still; a view of the glider itself goes with it again.
+      const before = store.get("view");
+      const { camera } = button.dataset;
+      const follow = camera === "overview" ? false : before.camera === "overview" || before.follow;
+      change({ camera, follow });
       setCamera(button.dataset.camera);
     });
   }

@@ -1,11 +1,19 @@
-// The path through the water, x against depth, at equal scales, with the glider where the clock is.
+// The path through the water at equal scales, from the side or from above, with the glider where the clock is.
 
-import { fixed, toDegrees } from "./format.js";
+import { $, setText } from "./dom.js";
+import { clockText, fixed } from "./format.js";
+import { PATH_VIEWS } from "./pathviews.js";
 import { cssColor, line, prepare, sayEmpty } from "./plots.js";
-import { angleAt, at, extent, locate } from "./series.js";
-import { ticks } from "./timescale.js";
+import { at, extent, locate } from "./series.js";
+import { niceStep, ticks } from "./timescale.js";
 
 const PAD = { left: 44, right: 14, top: 8, bottom: 36 };
+
+// How many times larger depth is drawn where there is room for `room` times: 1, or 2, 5, 10, ... of a flat path.
+function stretchOf(room) {
+  if (!(room > 5)) return 1;
+  return niceStep(room / 2.5, 1);
+}
 
 export class PathPlot {
   constructor(box, { onSeek }) {
@@ -17,23 +25,45 @@ export class PathPlot {
     this.canvas.addEventListener("pointermove", (event) => this.hover(event));
     this.canvas.addEventListener("pointerleave", () => (this.tip.hidden = true));
     this.canvas.addEventListener("click", (event) => this.run && onSeek(this.nearest(event).t));
+    for (const radio of document.querySelectorAll("[name=path-view]")) radio.addEventListener("change", () => this.look());
+    this.setRun(null);
   }
 
   setRun(run) {
     this.run = run;
+    const spatial = run?.model === "spatial";
+    $("path-views").hidden = !spatial;
+    this.view = PATH_VIEWS[spatial ? document.querySelector("[name=path-view]:checked").value : "planar"];
   }
 
-  // One scale for both axes, the path in the middle of what is left over.
+  // Another view of the same run.
+  look() {
+    this.setRun(this.run);
+    this.draw();
+    this.showTime(this.t ?? 0);
+  }
+
+  column(side) {
+    return this.run.columns[this.view[side]];
+  }
+
+  // One scale for both axes if it can be, the path in the middle of what is left over.
   fit(width, height) {
-    const [x0, x1] = extent(this.run?.columns.x ?? [0, 1]);
-    const [z0, z1] = extent(this.run?.columns.z ?? [0, 1]);
+    const { sign } = this.view;
+    const [x0, x1] = extent(this.run ? this.column("across") : [0, 1]);
+    const [z0, z1] = extent(this.run ? this.column("along") : [0, 1]);
     const inner = [width - PAD.left - PAD.right, height - PAD.top - PAD.bottom];
-    const perMetre = Math.min(inner[0] / Math.max((x1 - x0) * 1.1, 0.05), inner[1] / Math.max((z1 - z0) * 1.1, 0.05));
-    const spans = [inner[0] / perMetre, inner[1] / perMetre];
+    const most = [inner[0] / Math.max((x1 - x0) * 1.1, 0.05), inner[1] / Math.max((z1 - z0) * 1.1, 0.05)];
+    const perMetre = Math.min(...most);
+    // A long way at little depth would be a flat line: its depth is drawn larger, and the title says so.
+    this.stretch = sign > 0 ? stretchOf(most[1] / perMetre) : 1;
+    setText($("path-title"), this.stretch > 1 ? `Path, depth ×${this.stretch}` : this.view.title);
+    const down = perMetre * this.stretch;
+    const spans = [inner[0] / perMetre, inner[1] / down];
     const low = [(x0 + x1 - spans[0]) / 2, (z0 + z1 - spans[1]) / 2];
     this.area = { inner, low, high: [low[0] + spans[0], low[1] + spans[1]] };
     this.px = (x) => PAD.left + (x - low[0]) * perMetre;
-    this.pz = (z) => PAD.top + (z - low[1]) * perMetre;
+    this.pz = (z) => PAD.top + (sign > 0 ? z - low[1] : this.area.high[1] - z) * down;
   }
 
   draw() {
@@ -43,12 +73,12 @@ export class PathPlot {
     this.drawGrid(context, width);
     this.marker.toggleAttribute("hidden", !this.run);
     if (!this.run) return;
-    const { x, z } = this.run.columns;
+    const [across, along] = [this.column("across"), this.column("along")];
     context.strokeStyle = cssColor("--depth");
     context.lineWidth = 2;
     context.lineJoin = "round";
     context.beginPath();
-    for (let i = 0; i < x.length; i += 1) context.lineTo(this.px(x[i]), this.pz(z[i]));
+    for (let i = 0; i < across.length; i += 1) context.lineTo(this.px(across[i]), this.pz(along[i]));
     context.stroke();
   }
 
@@ -68,42 +98,44 @@ export class PathPlot {
       line(context, this.px(x), PAD.top, this.px(x), foot);
       context.fillText(fixed(x, across.digits), this.px(x), foot + 5);
     }
-    context.fillText("x, forward (m)", PAD.left + inner[0] / 2, foot + 20);
+    context.fillText(this.view.label, PAD.left + inner[0] / 2, foot + 20);
     context.textAlign = "right";
     context.textBaseline = "middle";
     const down = ticks(low[1], high[1], inner[1] / 40);
     for (const z of down.values) {
+      if (this.view.sign > 0 && z < 0) continue; // there is no depth above the surface
       line(context, PAD.left, this.pz(z), width - PAD.right, this.pz(z));
       context.fillText(fixed(z, down.digits), PAD.left - 6, Math.min(Math.max(this.pz(z), PAD.top + 5), foot - 4));
     }
   }
 
   showTime(t) {
+    this.t = t;
     if (!this.run || !this.px) return;
-    const c = this.run.columns;
-    const place = locate(c.t, t);
-    const turn = -toDegrees(angleAt(c.theta, place));
-    this.marker.style.transform = `translate(${this.px(at(c.x, place))}px, ${this.pz(at(c.z, place))}px) rotate(${turn}deg)`;
+    const place = locate(this.run.columns.t, t);
+    const [x, z] = [this.px(at(this.column("across"), place)), this.pz(at(this.column("along"), place))];
+    this.marker.style.transform = `translate(${x}px, ${z}px) rotate(${this.view.turn(this.run.columns, place)}deg)`;
   }
 
   nearest(event) {
-    const { t, x, z } = this.run.columns;
+    const { t } = this.run.columns;
+    const [across, along] = [this.column("across"), this.column("along")];
     const box = this.canvas.getBoundingClientRect();
     const [px, pz] = [event.clientX - box.left, event.clientY - box.top];
     let best = 0;
     let distance = Infinity;
     for (let i = 0; i < t.length; i += 1) {
-      const d = (this.px(x[i]) - px) ** 2 + (this.pz(z[i]) - pz) ** 2;
+      const d = (this.px(across[i]) - px) ** 2 + (this.pz(along[i]) - pz) ** 2;
       if (d < distance) [best, distance] = [i, d];
     }
-    return { t: t[best], x: x[best], z: z[best] };
+    return { t: t[best], x: across[best], z: along[best] };
   }
 
   hover(event) {
     if (!this.run) return;
     const { t, x, z } = this.nearest(event);
     this.tip.hidden = false;
-    this.tip.textContent = `${fixed(t, 1)} s · x ${fixed(x, 3)} m · depth ${fixed(z, 3)} m`;
+    this.tip.textContent = `${clockText(t, this.run.columns.t.at(-1))} · ${this.view.tip(x, z)}`;
     const room = this.box.clientWidth - this.tip.offsetWidth - 4;
     this.tip.style.left = `${Math.max(4, Math.min(this.px(x) - this.tip.offsetWidth / 2, room))}px`;
     this.tip.style.top = `${Math.max(2, this.pz(z) - 34)}px`;

@@ -1,26 +1,11 @@
 // Time plots on canvas: drawn once per run, size or theme; what moves is laid over them.
 
-import { NONE, degrees, fixed, toDegrees } from "./format.js";
-import { angleAt, at, extent, locate } from "./series.js";
-import { angleTicks, ticks } from "./timescale.js";
+import { NONE, fixed } from "./format.js";
+import { PLOTS } from "./plotseries.js";
+import { extent, locate } from "./series.js";
+import { ticks, timeTicks } from "./timescale.js";
 
 const FONT = '11px -apple-system, BlinkMacSystemFont, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif';
-
-export const PLOTS = {
-  depth: {
-    down: true,
-    ticks,
-    series: [{ key: "z", label: "Depth", unit: "m", color: "--depth", width: 2, dash: [], convert: (v) => v, show: (v) => fixed(v, 3), read: at }],
-  },
-  angles: {
-    ticks: angleTicks,
-    series: [
-      { key: "theta", label: "Pitch", unit: "°", color: "--pitch", width: 2, dash: [], convert: toDegrees, show: degrees, read: angleAt },
-      { key: "flow_angle", label: "Flow", unit: "°", color: "--flow", width: 1.6, dash: [7, 4], convert: toDegrees, show: degrees, read: angleAt },
-      { key: "alpha", label: "Attack", unit: "°", color: "--attack", width: 1.8, dash: [2, 3], convert: toDegrees, show: degrees, read: angleAt },
-    ],
-  },
-};
 
 // Sizes the backing store to the screen's pixels; returns a context that draws in CSS pixels.
 export function prepare(canvas, width, height) {
@@ -57,23 +42,29 @@ export function sayEmpty(context, x, y) {
 
 export class TimePlot {
   constructor(canvas, scale, kind, { axis = false } = {}) {
-    Object.assign(this, { canvas, scale, kind, ...PLOTS[kind], run: null });
+    const { down, ticks: valueTicks } = PLOTS[kind];
+    Object.assign(this, { canvas, scale, kind, down, valueTicks, axis, run: null });
     this.top = 6;
     this.bottom = axis ? 24 : 6;
-    this.axis = axis;
+    this.setRun(null);
   }
 
-  setRun(run) {
+  setRun(run, model = "planar") {
     this.run = run;
+    Object.assign(this, PLOTS[this.kind][run?.model ?? model]);
   }
 
-  limits() {
+  limits(series) {
     let low = Infinity;
     let high = -Infinity;
-    for (const { key, convert } of this.series) {
+    for (const { key, convert } of series) {
       const [a, b] = extent(this.run?.columns[key] ?? []);
       low = Math.min(low, convert(a));
       high = Math.max(high, convert(b));
+    }
+    if (series.some(({ right }) => right)) {
+      const room = Math.max((high - low) * 0.06, 5);
+      return [low - room, high + room];
     }
     if (this.kind === "angles") return [Math.min(low, 0) - 2, Math.max(high, 0) + 2];
     const pad = Math.max((high - low) * 0.08, 0.01);
@@ -84,18 +75,43 @@ export class TimePlot {
     const height = this.canvas.parentElement.clientHeight;
     const { width } = this.scale;
     const context = prepare(this.canvas, width, height);
-    const [low, high] = this.limits();
     const inner = height - this.top - this.bottom;
+    const right = this.series.filter((s) => s.right);
+    const [low, high] = this.limits(this.series.filter((s) => !s.right));
     this.y = (v) => this.top + (this.down ? v - low : high - v) * (inner / (high - low));
     this.drawGrid(context, low, high, inner);
     if (!this.run) return sayEmpty(context, this.scale.x(this.scale.end / 2), this.top + inner / 2);
+    if (right.length) this.setRightAxis(right, inner);
     context.save();
     context.beginPath();
     context.rect(this.scale.x(0), 0, this.scale.span, this.top + inner);
     context.clip();
     for (const series of [...this.series].reverse()) this.drawSeries(context, series);
     context.restore();
+    if (right.length) this.drawRightAxis(context, right, inner);
     this.drawEvents(context, inner);
+  }
+
+  setRightAxis(series, inner) {
+    const [low, high] = this.limits(series);
+    this.yRight = (v) => this.top + (high - v) * (inner / (high - low));
+    this.rightTicks = ticks(low, high, 3);
+  }
+
+  // Its numbers stand inside the plot, in the colour of its line and over all lines.
+  drawRightAxis(context, series, inner) {
+    const x = this.scale.x(this.scale.end) - 5;
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    for (const v of this.rightTicks.values) {
+      const text = fixed(v, this.rightTicks.digits);
+      const y = Math.min(Math.max(this.yRight(v), this.top + 7), this.top + inner - 7);
+      const { width } = context.measureText(text);
+      context.fillStyle = cssColor("--plot-bg");
+      context.fillRect(x - width - 3, y - 7, width + 6, 14);
+      context.fillStyle = cssColor(`--${series[0].name}`);
+      context.fillText(text, x, y);
+    }
   }
 
   drawGrid(context, low, high, inner) {
@@ -106,14 +122,14 @@ export class TimePlot {
     context.strokeStyle = cssColor("--grid");
     context.fillStyle = cssColor("--faint");
     context.lineWidth = 1;
-    const vertical = this.run ? this.ticks(low, high, inner > 80 ? 4 : 3) : { values: [] };
+    const vertical = this.run ? this.valueTicks(low, high, inner > 80 ? 4 : 3) : { values: [] };
     context.textAlign = "right";
     context.textBaseline = "middle";
     for (const v of vertical.values) {
       line(context, left, this.y(v), right, this.y(v));
       context.fillText(fixed(v, vertical.digits), left - 6, Math.min(Math.max(this.y(v), this.top + 5), foot - 4));
     }
-    const times = ticks(0, scale.end, scale.span / 75);
+    const times = timeTicks(scale.end, scale.span / 75);
     for (const t of times.values) line(context, scale.x(t), this.top, scale.x(t), foot);
     if (this.axis) this.drawTimes(context, times, foot);
     this.shadeBeyondEnd(context, inner);
@@ -122,9 +138,9 @@ export class TimePlot {
   drawTimes(context, times, foot) {
     context.textAlign = "center";
     context.textBaseline = "top";
-    for (const t of times.values) context.fillText(fixed(t, times.digits), this.scale.x(t), foot + 6);
+    for (const t of times.values) context.fillText(fixed(t / times.per, times.digits), this.scale.x(t), foot + 6);
     context.textAlign = "right";
-    context.fillText("t (s)", this.scale.x(0) - 12, foot + 6);
+    context.fillText(times.per === 1 ? "t (s)" : times.symbol, this.scale.x(0) - 12, foot + 6);
   }
 
   // A run may end before the mission does (surface, bed): the rest is visibly not computed.
@@ -137,20 +153,21 @@ export class TimePlot {
     context.globalAlpha = 1;
   }
 
-  drawSeries(context, { key, convert, color, width, dash, unit }) {
+  drawSeries(context, { key, name, convert, width, dash, wraps, right }) {
     const { t } = this.run.columns;
+    const y = right ? this.yRight : this.y;
     const values = this.run.columns[key];
     if (!values) return;
-    context.strokeStyle = cssColor(color);
+    context.strokeStyle = cssColor(`--${name}`);
     context.lineWidth = width;
     context.lineJoin = "round";
     context.setLineDash(dash);
     context.beginPath();
     let pen = false;
     for (let i = 0; i < t.length; i += 1) {
-      const turned = i > 0 && unit === "°" && Math.abs(values[i] - values[i - 1]) > Math.PI;
-      if (pen && !turned) context.lineTo(this.scale.x(t[i]), this.y(convert(values[i])));
-      else context.moveTo(this.scale.x(t[i]), this.y(convert(values[i])));
+      const turned = i > 0 && wraps && Math.abs(values[i] - values[i - 1]) > Math.PI;
+      if (pen && !turned) context.lineTo(this.scale.x(t[i]), y(convert(values[i])));
+      else context.moveTo(this.scale.x(t[i]), y(convert(values[i])));
       pen = true;
     }
     context.stroke();

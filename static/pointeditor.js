@@ -1,9 +1,9 @@
 // The small popover in which a schedule point's numbers are typed.
 
-import { el } from "./dom.js";
+import { el, setText } from "./dom.js";
 
 function field(label, unit, input) {
-  return el("label", { class: "field" }, el("span", {}, label), input, el("u", {}, unit));
+  return el("label", { class: "field" }, el("span", {}, label), input, typeof unit === "string" ? el("u", {}, unit) : unit);
 }
 
 export class PointEditor {
@@ -12,6 +12,7 @@ export class PointEditor {
     this.onDelete = onDelete;
     this.time = el("input", { type: "number", step: "any", min: "0", required: true, "data-testid": "point-time" });
     this.extension = el("input", { type: "number", step: "any", required: true, "data-testid": "point-extension" });
+    this.unit = el("u", {}, "mm");
     this.shape = el("select", { "data-testid": "point-shape" },
       el("option", { value: "step" }, "Step at this time"), el("option", { value: "ramp" }, "Ramp up to this time"));
     this.title = el("strong", {});
@@ -24,7 +25,7 @@ export class PointEditor {
     const remove = el("button", { type: "button", class: "btn", "data-testid": "point-delete", onclick: () => this.remove() }, "Delete");
     const apply = el("button", { type: "submit", class: "btn primary", "data-testid": "point-apply" }, "Apply");
     const form = el("form", { class: "popover", role: "dialog", "aria-label": "Schedule point", hidden: true, "data-testid": "point-editor" },
-      this.title, field("Time", "s", this.time), field("Extension", "mm", this.extension), field("Shape", "", this.shape),
+      this.title, field("Time", "s", this.time), field("Extension", this.unit, this.extension), field("Shape", "", this.shape),
       el("div", { class: "actions" }, remove, apply));
     form.addEventListener("submit", (event) => {
       event.preventDefault();
@@ -37,12 +38,14 @@ export class PointEditor {
     return form;
   }
 
-  open({ cell, k, point, anchor }) {
+  open({ cell, k, point, anchor, unit }) {
     this.target = { cell, k };
+    this.per = unit.per;
+    setText(this.unit, unit.symbol);
     this.anchor = anchor;
     this.title.textContent = `${cell}, point ${k + 1}`;
     this.time.value = String(Number(point.time.toFixed(4)));
-    this.extension.value = String(Number((point.extension * 1e3).toFixed(4)));
+    this.extension.value = String(Number((point.extension * this.per).toFixed(4)));
     this.shape.value = point.shape === "ramp" ? "ramp" : "step";
     this.root.hidden = false;
     this.place(anchor.getBoundingClientRect());
@@ -65,7 +68,7 @@ export class PointEditor {
   }
 
   apply() {
-    const point = { time: this.time.valueAsNumber, extension: this.extension.valueAsNumber / 1e3, shape: this.shape.value };
+    const point = { time: this.time.valueAsNumber, extension: this.extension.valueAsNumber / this.per, shape: this.shape.value };
     if (!Number.isFinite(point.time) || !Number.isFinite(point.extension)) return;
     this.close(true);
     this.onApply(this.target, point);

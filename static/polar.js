@@ -2,7 +2,7 @@
 
 import { getPolar } from "./api.js";
 import { $, el, setText } from "./dom.js";
-import { NONE, fixed, scientific, toDegrees } from "./format.js";
+import { NONE, clockText, fixed, scientific, toDegrees } from "./format.js";
 import { prepare } from "./plots.js";
 import { PolarPlot, drawDot, drawMarker, lawAt, mirrored } from "./polarplot.js";
 import { angleAt, locate } from "./series.js";
@@ -23,13 +23,14 @@ function legendKey(draw) {
   return canvas;
 }
 
-function legend({ data, chosen, law }, whole) {
+function legend({ data, chosen, law, folds }, whole) {
   const items = data.map(({ speed }, k) => [`${speed} m/s`, legendKey((c) => drawMarker(c, k, 8, 7))]);
-  if (!whole) items.push([`${chosen.what}: what the law is made from`, legendKey((c) => drawDot(c, 8, 7))]);
+  if (!whole && chosen) items.push([`${chosen.what}: what the law is made from`, legendKey((c) => drawDot(c, 8, 7))]);
   const rows = items.map(([text, key]) => el("span", {}, key, text));
   rows.push(el("span", {}, el("i", { class: "key law" }), `law in use: ${law.what}`));
   rows.push(el("span", {}, el("i", { class: "key now" }), "angle of attack now"));
-  if (whole) rows.push(el("span", {}, el("i", { class: "key measured" }), "angles measured; the rest by symmetry and reflection"));
+  const rest = folds ? "angles measured; the rest by symmetry and reflection" : "angles that the data are meant for";
+  if (whole) rows.push(el("span", {}, el("i", { class: "key measured" }), rest));
   return rows;
 }
 
@@ -39,13 +40,15 @@ function errorRows({ errors, units }) {
     ...[short(e.rms), short(e.largest), e.largest > 0 ? `${fixed(e.largest_at_deg, 0)}°` : NONE, `${fixed(100 * e.relative, 2)} %`].map((text) => el("td", {}, text))));
 }
 
-function provenance({ provenance: { title, source, limits }, reference_density: density, reference_point: point }) {
+function provenance({ provenance: { title, source, limits }, reference_density: density, reference_point: point, beyond, sideways, munk }) {
   const about = point.some((v) => v !== 0) ? `(${point.map((v) => fixed(v, 3)).join(", ")}) m` : "the body origin";
   return [
     el("p", {}, el("strong", {}, title)),
     limits ? el("p", { class: "limits" }, el("b", {}, "What they are not. "), limits) : null,
     el("p", {}, el("b", {}, "Source. "), source),
-    el("p", {}, el("b", {}, "Reference. "), `Taken at ${density} kg/m³, moments about ${about}. Nothing was measured outside 0 to 90°: lift and moment are odd in the angle, drag even; past 90° all three are reflected.`),
+    el("p", {}, el("b", {}, "Reference. "), `Taken at ${density} kg/m³, moments about ${about}, ${munk} the Munk moment.`),
+    el("p", {}, el("b", {}, "Range. "), beyond),
+    el("p", {}, el("b", {}, "Sideways. "), `${sideways[0].toUpperCase()}${sideways.slice(1)}.`.replace(/\.\.$/, ".")),
   ].filter(Boolean);
 }
 
@@ -72,9 +75,9 @@ export function connectPolar({ store, clock }) {
       const { quantity } = plot;
       setText($(`polar-${quantity}-value`), read === null ? "" : `${short(lawAt(shown.law, quantity, read))} at ${fixed(read, 1)}°`);
     }
-    const folded = angle !== null && !whole() && mirrored(angle) !== angle;
+    const folded = angle !== null && !whole() && mirrored(angle, shown) !== angle;
     setText($("polar-now"), angle === null ? "No glide yet"
-      : `At ${fixed(clock.t, 1)} s the angle of attack is ${fixed(angle, 1)}°${folded ? `, by symmetry drawn at ${fixed(mirrored(angle), 1)}°` : ""}`);
+      : `At ${clockText(clock.t, clock.end)} the angle of attack is ${fixed(angle, 1)}°${folded ? `, by symmetry drawn at ${fixed(mirrored(angle, shown), 1)}°` : ""}`);
   }
 
   function draw() {
@@ -88,6 +91,9 @@ export function connectPolar({ store, clock }) {
   }
 
   function fill() {
+    const [low, high] = shown.range_deg;
+    setText($("polar-measured"), `${fixed(low, 0)} to ${fixed(high, 0)}°`);
+    $("polar-fit").hidden = shown.errors.length === 0;
     $("polar-errors").replaceChildren(...errorRows(shown));
     $("polar-provenance").replaceChildren(...provenance(shown));
     draw();

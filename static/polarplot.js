@@ -50,11 +50,14 @@ export function lawAt(law, quantity, degrees) {
   return law[quantity][i] + (law[quantity][i + 1] - law[quantity][i]) * (place - i);
 }
 
-// What no one measured is mirrored into the measured quarter: where an angle lies there.
-export function mirrored(degrees) {
+// What no one measured may be mirrored into the measured quarter: where an angle lies there.
+export function mirrored(degrees, { folds }) {
   const size = Math.abs(degrees);
+  if (!folds) return degrees;
   return size > 90 ? 180 - size : size;
 }
+
+const gridStep = (span) => [1, 2, 5, 10, 15, 30, 45].find((step) => span / step <= 6.5) ?? 90;
 
 export class PolarPlot {
   constructor(box, quantity) {
@@ -67,8 +70,7 @@ export class PolarPlot {
   setRange(document, whole) {
     this.document = document;
     this.whole = whole;
-    this.low = whole ? -180 : 0;
-    this.high = whole ? 180 : 90;
+    [this.low, this.high] = whole ? [-180, 180] : document.range_deg;
   }
 
   // Of the law only what is in view; of the data all.
@@ -105,14 +107,16 @@ export class PolarPlot {
     context.fillRect(PAD.left, PAD.top, ...this.inner);
     if (this.whole) {
       context.fillStyle = cssColor("--measured");
-      context.fillRect(this.x(0), PAD.top, this.x(90) - this.x(0), this.inner[1]);
+      const [from, to] = this.document.range_deg;
+      context.fillRect(this.x(from), PAD.top, this.x(to) - this.x(from), this.inner[1]);
     }
     context.lineWidth = 1;
     context.strokeStyle = cssColor("--grid");
     context.fillStyle = cssColor("--faint");
     context.textAlign = "center";
     context.textBaseline = "top";
-    for (let a = this.low; a <= this.high; a += this.whole ? 90 : 15) {
+    const step = gridStep(this.high - this.low);
+    for (let a = Math.ceil(this.low / step) * step; a <= this.high; a += step) {
       line(context, this.x(a), PAD.top, this.x(a), foot);
       context.fillText(fixed(a, 0), this.x(a), foot + 5);
     }
@@ -141,7 +145,7 @@ export class PolarPlot {
     const { data, chosen } = this.document;
     const size = this.whole ? 0.7 : 1;
     data.forEach((series, k) => series.alpha_deg.forEach((a, i) => drawMarker(context, k, this.x(a), this.y(series[this.quantity][i]), size)));
-    if (this.whole) return; // a quarter of the width: dots would hide the markers
+    if (this.whole || !chosen) return; // a quarter of the width: dots would hide the markers
     chosen.alpha_deg.forEach((a, i) => drawDot(context, this.x(a), this.y(chosen[this.quantity][i])));
   }
 
@@ -156,7 +160,8 @@ export class PolarPlot {
   showAngle(degrees) {
     this.mark.hidden = degrees === null || !this.x;
     if (this.mark.hidden) return;
-    const there = this.whole ? degrees : mirrored(degrees);
+    const there = this.whole ? degrees : mirrored(degrees, this.document);
+    if (there < this.low || there > this.high) return (this.mark.hidden = true);
     this.mark.classList.toggle("mirrored", !this.whole && there !== degrees);
     this.mark.style.transform = `translateX(${this.x(there)}px)`;
   }

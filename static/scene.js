@@ -1,45 +1,54 @@
 // What the 3D scene should show at one moment, as wanted properties of the scene's nodes. Knows no viewer.
-// Frames: x forward, y to starboard, z down, theta nose-up; arrows point along their own +x with unit length.
+// Frames: x north or forward, y east or starboard, z down; arrows point along their own +x with unit length.
 
-import { angleAt, at, locate } from "./series.js";
+import { LEVEL, about, between, inverse, rotate, times, xAxisTo } from "./attitude.js";
+import { angleAt, at, extent, locate } from "./series.js";
 
-const ARROW_LENGTH = 0.25; // metres, of the largest force in the run
+const ARROW_SHARE = 0.42; // of the vehicle's length, for the largest force in the run
 const SHORTEST = 1e-4; // a zero scale would make the viewer's matrices singular
-
-// Turns about +y; +x then points to (cos a, 0, -sin a).
-const aboutY = (a) => [Math.cos(a / 2), 0, Math.sin(a / 2), 0];
+const UP = [0, 0, -1];
+const FORCES = { buoyancy: "net_buoyancy", lift: "lift", drag: "drag", side: "side_force" }; // arrow: column
 
 export function largestForce(columns) {
   let largest = 0;
-  for (const name of ["net_buoyancy", "lift", "drag"]) {
+  for (const name of Object.values(FORCES)) {
     for (const force of columns[name] ?? []) largest = Math.max(largest, Math.abs(force));
   }
   return largest;
 }
 
-// Unit directions in body axes. Up in the water is (0, 0, -1); the attitude's inverse turns it into the body.
-export function forceDirections(theta, alpha) {
+// Body to world. A planar run has no quaternion: it only pitches.
+export function attitudeAt({ columns }, place) {
+  if (!columns.q0) return about([0, 1, 0], angleAt(columns.theta, place));
+  const sample = (i) => [columns.q0[i], columns.q1[i], columns.q2[i], columns.q3[i]];
+  return between(sample(place.i), sample(Math.min(place.i + 1, columns.q0.length - 1)), place.f);
+}
+
+// Unit directions in body axes: up in the water, and the flow frame's axes at the angle of attack and sideslip.
+export function forceDirections(attitude, alpha, beta) {
+  const [ca, sa, cb, sb] = [Math.cos(alpha), Math.sin(alpha), Math.cos(beta), Math.sin(beta)];
   return {
-    buoyancy: [Math.sin(theta), -Math.cos(theta)],
-    lift: [Math.sin(alpha), -Math.cos(alpha)],
-    drag: [-Math.cos(alpha), -Math.sin(alpha)],
+    buoyancy: rotate(inverse(attitude), UP),
+    lift: [sa, 0, -ca],
+    drag: [-ca * cb, -sb, -sa * cb],
+    side: [-ca * sb, cb, -sa * sb],
   };
 }
 
-function setArrow(wanted, name, force, [x, z], perNewton) {
-  const sign = force < 0 ? -1 : 1;
-  const length = Math.max(Math.abs(force) * perNewton, SHORTEST);
+function setArrow(wanted, name, force, direction, longest, largest) {
+  const length = Math.max(largest > 0 ? (longest * Math.abs(force)) / largest : 0, SHORTEST);
   // A small force keeps a thick shaft as long as its head still looks like one.
-  const width = Math.min(ARROW_LENGTH, 2 * length);
-  wanted.set(`/glider/arrow_${name}`, { wxyz: aboutY(Math.atan2(-z * sign, x * sign)), scale: [length, width, width] });
+  const width = Math.min(longest, 2 * length);
+  const wxyz = xAxisTo(force < 0 ? direction.map((c) => -c) : direction);
+  wanted.set(`/glider/arrow_${name}`, { wxyz, scale: [length, width, width] });
 }
 
-function setForces(wanted, columns, place, theta, largest) {
-  const perNewton = largest > 0 ? ARROW_LENGTH / largest : 0;
-  const directions = forceDirections(theta, angleAt(columns.alpha, place));
-  setArrow(wanted, "buoyancy", at(columns.net_buoyancy, place), directions.buoyancy, perNewton);
-  setArrow(wanted, "lift", at(columns.lift, place), directions.lift, perNewton);
-  setArrow(wanted, "drag", at(columns.drag, place), directions.drag, perNewton);
+function setForces(wanted, columns, place, attitude, longest, largest) {
+  const beta = columns.beta ? at(columns.beta, place) : 0;
+  const directions = forceDirections(attitude, angleAt(columns.alpha, place), beta);
+  for (const [name, key] of Object.entries(FORCES)) {
+    if (columns[key]) setArrow(wanted, name, at(columns[key], place), directions[name], longest, largest);
+  }
 }
 
 function setCells(wanted, run, components, place, exaggeration) {
@@ -52,46 +61,67 @@ function setCells(wanted, run, components, place, exaggeration) {
   }
 }
 
-// A movable mass slides along its axis from where it is at its neutral extension, by its true travel.
-export function slidTo({ position, axis, extension_neutral: neutral }, extension) {
-  const share = (extension - neutral) / Math.hypot(...axis);
-  return position.map((p, k) => p + share * axis[k]);
+// Where a mass that moves is, from where it is at its neutral extension: it slides along its axis by its true travel,
+// or turns about the axis through its pivot.
+export function movedTo({ position, axis, pivot, extension_neutral: neutral }, extension) {
+  const travel = extension - neutral;
+  if (!pivot) return { position: position.map((p, k) => p + (travel / Math.hypot(...axis)) * axis[k]), wxyz: LEVEL };
+  const wxyz = about(axis, travel);
+  const arm = rotate(wxyz, position.map((p, k) => p - pivot[k]));
+  return { position: arm.map((p, k) => p + pivot[k]), wxyz };
 }
 
 function setMasses(wanted, run, components, place) {
   for (const cell of run.cells) {
     const component = components[cell.component];
-    if (component?.kind !== "movable_mass" || !component.axis) continue;
-    wanted.set(`/glider/part${cell.component}`, { position: slidTo(component, at(cell.extension, place)) });
+    if (component?.cell !== false || !component.axis) continue;
+    wanted.set(`/glider/part${cell.component}`, movedTo(component, at(cell.extension, place)));
+  }
+}
+
+function setCenters(wanted, columns, place) {
+  for (const name of ["com", "cob"]) {
+    const [x, y, z] = ["x", "y", "z"].map((axis) => columns[`${name}_${axis}`]);
+    if (x) wanted.set(`/glider/${name}`, { position: [at(x, place), y ? at(y, place) : 0, at(z, place)] });
   }
 }
 
 export function positionAt({ columns }, t) {
   const place = locate(columns.t, t);
-  return [at(columns.x, place), 0, at(columns.z, place)];
+  return [at(columns.x, place), columns.y ? at(columns.y, place) : 0, at(columns.z, place)];
 }
 
-// The anchor is the point of the water that the view shows at its origin.
-export function sceneAt(state, t, { anchor, exaggeration, largest }) {
+// The middle of the path and the diagonal of the box around it.
+export function pathBox({ columns: { x, y, z } }) {
+  const spans = [x, y ?? [0], z].map(extent);
+  return { middle: spans.map(([a, b]) => (a + b) / 2), size: Math.hypot(...spans.map(([a, b]) => b - a)) };
+}
+
+// The anchor is the point of the water that the view shows at its origin. Where the view turns with the glider, the
+// water turns the other way about that point, so that the camera need not move.
+export function sceneAt(state, t, { anchor, exaggeration, largest, turning, beacon }) {
   const wanted = new Map();
   const { run, components } = state;
-  const c = run.columns;
-  const place = locate(c.t, t);
-  const position = positionAt(run, t);
-  const theta = angleAt(c.theta, place);
-  wanted.set("/world", { position: anchor.map((p) => -p) });
-  wanted.set("/glider", { position: position.map((p, k) => p - anchor[k]), wxyz: aboutY(theta) });
+  const place = locate(run.columns.t, t);
+  const attitude = attitudeAt(run, place);
+  const turn = turning && run.columns.heading ? about([0, 0, 1], -at(run.columns.heading, place)) : LEVEL;
+  const seen = (point) => rotate(turn, point.map((p, k) => p - anchor[k]));
+  wanted.set("/world", { position: seen([0, 0, 0]), wxyz: turn });
+  wanted.set("/glider", { position: seen(positionAt(run, t)), wxyz: times(turn, attitude) });
   setCells(wanted, run, components, place, exaggeration);
   setMasses(wanted, run, components, place);
-  setForces(wanted, c, place, theta, largest);
-  if (c.com_x) wanted.set("/glider/com", { position: [at(c.com_x, place), 0, at(c.com_z, place)] });
-  if (c.cob_x) wanted.set("/glider/cob", { position: [at(c.cob_x, place), 0, at(c.cob_z, place)] });
+  setForces(wanted, run.columns, place, attitude, ARROW_SHARE * state.length, largest);
+  setCenters(wanted, run.columns, place);
+  if (beacon) wanted.set("/glider/beacon", { scale: [beacon, beacon, beacon] });
   return wanted;
 }
 
 // Whether a node of this name is shown, or null where the page has no say.
-export function visibility(name, { forces, centers, path }) {
-  if (name === "/glider/arrow_weight") return false;
+export function visibility(name, { forces, centers, path, spatial, camera }) {
+  if (name === "/glider/beacon") return camera === "overview";
+  // From afar the labels beside the path would hide it.
+  if (name === "/world/rungs" || name.startsWith("/world/grid/")) return camera !== "overview";
+  if (name === "/glider/arrow_side") return forces && spatial;
   if (/^\/glider\/arrow_(buoyancy|lift|drag)$/.test(name)) return forces;
   if (name === "/glider/com" || name === "/glider/cob") return centers;
   if (name.startsWith("/world/path") && !name.slice("/world/path".length).includes("/")) return path;

@@ -14,11 +14,12 @@ export function locate(t, time) {
   return { i: low, f: (time - t[low]) / (t[high] - t[low]) };
 }
 
+// What is not a number (the radius of a straight way) comes as null, and must not count as 0.
 export function at(values, { i, f }) {
   if (!values?.length) return NaN;
   const a = values[i];
   const b = values[Math.min(i + 1, values.length - 1)];
-  return a + (b - a) * f;
+  return a === null || b === null ? NaN : a + (b - a) * f;
 }
 
 // An angle that jumps by a full turn between samples must not be averaged through zero.
@@ -34,6 +35,7 @@ export function extent(values) {
   let low = Infinity;
   let high = -Infinity;
   for (const v of values) {
+    if (v === null) continue;
     if (v < low) low = v;
     if (v > high) high = v;
   }

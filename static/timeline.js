@@ -1,8 +1,9 @@
 // Lanes and plots on one time axis, with one red line through all of them.
 
-import { $, el, setText } from "./dom.js";
-import { fixed } from "./format.js";
+import { $, el } from "./dom.js";
+import { clockText } from "./format.js";
 import { Lane } from "./lane.js";
+import { Legend } from "./legend.js";
 import { PathPlot } from "./pathplot.js";
 import { TimePlot } from "./plots.js";
 import { PointEditor } from "./pointeditor.js";
@@ -22,7 +23,7 @@ export class Timeline {
       new TimePlot($("plot-angles"), this.scale, "angles", { axis: true }),
     ];
     this.path = new PathPlot($("path"), { onSeek: (t) => clock.seek(t) });
-    this.legend = [...document.querySelectorAll("[data-legend]")];
+    this.legends = [new Legend($("legend-depth")), new Legend($("legend-angles"))];
     this.listen();
     store.watch(["state"], ({ state }) => state && this.update(state));
     clock.watch(() => this.showTime());
@@ -61,7 +62,7 @@ export class Timeline {
       onDrop: () => this.fitAxis() && this.draw(),
       onAdd: (lane, point) => this.edit(lane.schedule.cell, (schedule) => addPatch(schedule, point)),
       onRemove: (lane, k) => this.edit(lane.schedule.cell, (schedule) => removePatch(schedule, k)),
-      onOpen: (lane, k, anchor) => this.editor.open({ cell: lane.schedule.cell, k, point: lane.points[k], anchor }),
+      onOpen: (lane, k, anchor) => this.editor.open({ cell: lane.schedule.cell, k, point: lane.points[k], anchor, unit: lane.unit }),
       onSelect: (lane) => this.actions.select(lane.component?.index),
       onSeek: (t) => this.clock.seek(t),
     };
@@ -70,7 +71,10 @@ export class Timeline {
   update(state) {
     this.syncLanes(state);
     this.fitAxis();
-    for (const plot of this.plots) plot.setRun(state.run);
+    this.plots.forEach((plot, i) => {
+      plot.setRun(state.run, state.model);
+      this.legends[i].show(plot);
+    });
     this.path.setRun(state.run);
     this.layout();
   }
@@ -130,8 +134,7 @@ export class Timeline {
     const { t } = this.clock;
     $("clock-line").style.transform = `translateX(${(this.left ?? 0) + this.scale.x(t)}px)`;
     for (const lane of this.lanes.values()) lane.showTime(t);
-    const shown = this.plots.flatMap((plot) => plot.describe(t).map(([, text]) => text));
-    this.legend.forEach((node, i) => setText(node, shown[i]));
+    this.plots.forEach((plot, i) => this.legends[i].write(plot.describe(t)));
     this.path.showTime(t);
   }
 
@@ -151,7 +154,7 @@ export class Timeline {
   }
 
   showTip(subject, t, event) {
-    const rows = [["Time", `${fixed(t, 2)} s`], ...subject.describe(t)];
+    const rows = [["Time", clockText(t, this.scale.end, { digits: 2 })], ...subject.describe(t)];
     const near = (this.store.get("state")?.run?.events ?? []).find((e) => Math.abs(this.scale.x(e.time) - this.scale.x(t)) < 6);
     const tip = $("tip");
     tip.replaceChildren(...rows.map(([name, value]) => el("div", {}, el("span", {}, name), el("b", {}, value))));

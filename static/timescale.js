@@ -1,5 +1,7 @@
 // The horizontal scale that lanes, plots, scrub bar and the red line share, and nice tick values.
 
+import { longerThan } from "./format.js";
+
 export const GUTTER = 46; // pixels left of t = 0, for the value axes' numbers
 export const MARGIN = 14; // pixels right of the end
 
@@ -47,6 +49,16 @@ export function ticks(low, high, count) {
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + step * 1e-9; k += 1) values.push(k * step);
   return { values, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
 }
+
+// Ticks of a time axis, in seconds, with the numbers to write in the unit that suits its length.
+export function timeTicks(end, count) {
+  const { per, symbol } = longerThan(end);
+  const { values, digits } = ticks(0, end / per, count);
+  return { values: values.map((v) => v * per), per, digits, symbol };
+}
+
+// What a drag or an arrow key moves a time by: tenths of a second, more where a pixel is more than that.
+export const timeStep = (end) => Math.max(0.1, niceStep(end, 1000));
 
 // Angles read best in parts of a right angle.
 export function angleTicks(low, high) {

@@ -1,9 +1,8 @@
 // The transport bar and the keys that drive the clock.
 
 import { $, setText } from "./dom.js";
-import { fixed } from "./format.js";
-
-const STEP = 0.1; // seconds per arrow key; with Shift ten times as much
+import { clockText } from "./format.js";
+import { timeStep } from "./timescale.js";
 
 export function connectTransport(clock) {
   $("to-start").addEventListener("click", () => clock.seek(0));
@@ -16,9 +15,9 @@ export function connectTransport(clock) {
 }
 
 function show({ t, end, playing, loop }) {
-  setText($("time"), `${fixed(t, 1)} / ${fixed(end, 1)} s`);
+  setText($("time"), `${clockText(t, end, { unit: false })} / ${clockText(end, end)}`);
   $("scrub").value = String(t);
-  $("scrub").setAttribute("aria-valuetext", `${fixed(t, 1)} of ${fixed(end, 1)} seconds`);
+  $("scrub").setAttribute("aria-valuetext", `${clockText(t, end, { unit: false })} of ${clockText(end, end)}`);
   for (const id of ["play", "to-start", "scrub", "loop"]) $(id).disabled = end <= 0;
   $("play").setAttribute("aria-pressed", String(playing));
   $("play").setAttribute("aria-label", playing ? "Pause" : "Play");
@@ -36,7 +35,7 @@ function takes(target, key) {
 export function pressKey(event, clock) {
   const { key } = event;
   if (event.ctrlKey || event.metaKey || event.altKey || takes(event.target, key)) return;
-  const step = event.shiftKey ? STEP * 10 : STEP;
+  const step = timeStep(clock.end) * (event.shiftKey ? 10 : 1);
   if (key === " ") clock.toggle();
   else if (key === "Home") clock.seek(0);
   else if (key === "End") clock.seek(clock.end);

@@ -8,14 +8,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from models.components import Actuated, Bellows, Bladder, Component, MovableMass, Piston, Rigid
-from models.shapes import BellowsShape, CylinderShape, HullShape, WingShape
+from models.components import Actuated, Bellows, Bladder, Component, Mover, Piston, Rigid
+from models.shapes import BellowsShape, CylinderShape, FinShape, HullShape, WingShape
 from models.volumes import volume
 from studio import meshes
+from studio.attitude import Quaternion, quaternion_from_rpy_radians, rotate
 from studio.meshes import Mesh
 
 Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
 DENSITY_OF_METAL = 7800.0
 """For the size of a mass that has no shape, kg/m3."""
 
@@ -47,6 +47,8 @@ def _mesh(kind: str, sizes: tuple[float, ...]) -> Mesh:
             return meshes.hull(sizes[0], sizes[1], nose_length=sizes[2], tail_length=sizes[3])
         case "wing":
             return meshes.wing(sizes[0], sizes[1], tip_chord=sizes[2], sweep=sizes[3], thickness=sizes[4])
+        case "fin":
+            return meshes.fin(sizes[0], sizes[1], tip_chord=sizes[2], sweep=sizes[3], thickness=sizes[4])
         case "bellows":
             return meshes.bellows(sizes[0], sizes[1], sizes[2], pleats=int(sizes[3]))
         case "ellipsoid":
@@ -75,7 +77,7 @@ def _begin(offset: Vector, direction: Vector, length: float) -> Vector:
 @lru_cache(maxsize=1024)
 def bodies(component: Component) -> tuple[Body, ...]:
     """Return what to draw of a component."""
-    cell = not isinstance(component, Rigid | MovableMass)
+    cell = not isinstance(component, Rigid | Mover)
     if not component.shapes:
         default = None if isinstance(component, Rigid) else _default_body(component)
         return () if default is None else (default,)
@@ -90,11 +92,11 @@ def _shape_body(shape: object, component: Component, *, grows: bool) -> Body:
         case HullShape():
             sizes: tuple[float, ...] = (shape.length, shape.radius, shape.nose_length, shape.tail_length)
             return Body("hull", sizes, shape.offset, level, opacity=0.5)
-        case WingShape():
+        case WingShape() | FinShape():
             tip = shape.chord if shape.tip_chord is None else shape.tip_chord
-            return Body(
-                "wing", (shape.span, shape.chord, tip, shape.sweep, shape.thickness), shape.offset, level, opacity=0.7
-            )
+            sizes = (shape.span, shape.chord, tip, shape.sweep, shape.thickness)
+            attitude = _outwards(shape.direction) if isinstance(shape, FinShape) else level
+            return Body(shape.kind, sizes, shape.offset, attitude, opacity=0.7)
         case BellowsShape():
             sizes = (shape.length, shape.inner_radius, shape.outer_radius, float(shape.pleats))
             begin = _begin(shape.offset, along, shape.length)
@@ -107,8 +109,13 @@ def _shape_body(shape: object, component: Component, *, grows: bool) -> Body:
             raise TypeError(f"no drawing for {type(shape).__name__}")
 
 
+def _outwards(direction: Vector) -> Quaternion:
+    """Return the turn about x that takes a fin's span (+y) outwards."""
+    return quaternion_from_rpy_radians(math.atan2(direction[2], direction[1]), 0.0, 0.0)
+
+
 def _default_body(component: Actuated) -> Body:
-    """Return a body of the cell's own volume at neutral extension (of its mass in metal for a movable mass)."""
+    """Return a body of the cell's own volume at neutral extension (of its mass in metal for a mass that moves)."""
     kind: str
     sizes: tuple[float, ...]
     match component:
@@ -122,11 +129,11 @@ def _default_body(component: Actuated) -> Body:
         case Bladder():
             radius = (3.0 * max(volume(component, component.neutral), 1e-9) / (8.0 * math.pi)) ** (1.0 / 3.0)
             kind, sizes = "ellipsoid", (4.0 * radius, radius)
-        case MovableMass():
+        case _:  # a mass that moves
             radius = (max(component.mass, 1e-3) / DENSITY_OF_METAL / (4.0 * math.pi)) ** (1.0 / 3.0)
             kind, sizes = "cylinder", (4.0 * radius, radius)
     begin = _begin((0.0, 0.0, 0.0), component.axis, sizes[0])
-    return Body(kind, sizes, begin, x_axis_to(component.axis), grows=not isinstance(component, MovableMass))
+    return Body(kind, sizes, begin, x_axis_to(component.axis), grows=not isinstance(component, Mover))
 
 
 def _drawable(length: float, radius: float) -> float:
@@ -152,9 +159,3 @@ def extent(body: Body) -> tuple[Vector, Vector]:
     points = rotate(body.mesh.vertices, body.attitude) + np.array(body.offset)
     low, high = (tuple(float(v) for v in corner) for corner in (points.min(axis=0), points.max(axis=0)))
     return (low[0], low[1], low[2]), (high[0], high[1], high[2])
-
-
-def rotate(points: meshes.Array, attitude: Quaternion) -> meshes.Array:
-    """Turn points (n, 3) by a unit quaternion."""
-    w, u = attitude[0], np.array(attitude[1:])
-    return np.asarray(points + 2.0 * np.cross(u, np.cross(u, points) + w * points), dtype=np.float64)

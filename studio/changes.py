@@ -13,6 +13,7 @@ from models.components import Bellows, Bladder, Component, Piston, Rigid
 from models.design import DeclaredMass, Design
 from models.problems import DesignError, Problem, pointer_to
 from models.volumes import volume
+from models.water import surface_density
 from studio.bodies import drawn_extent
 
 Operation = dict[str, Any]
@@ -23,6 +24,7 @@ NAMES = {
     "piston": "Piston",
     "bladder": "Bladder",
     "movable_mass": "Movable mass",
+    "rolling_mass": "Rolling mass",
     "rigid": "Part",
 }
 _components: TypeAdapter[Component] = TypeAdapter(Component)
@@ -45,6 +47,8 @@ def _new_component(kind: str) -> dict[str, Any]:
             }  # fmt: skip
         case "movable_mass":
             return {"mass": 0.05, "extension_range": [-0.03, 0.03], "neutral_extension": 0.0, "rate_limit": 0.005}
+        case "rolling_mass":
+            return {"mass": 0.05, "angle_range": [-1.5, 1.5], "neutral_angle": 0.0, "rate_limit": 0.2}
         case "rigid":
             cube = {"kind": "cylinder", "length": 0.03, "radius": 0.008}
             return {"mass": 0.02, "volume": 6e-6, "shapes": [cube]}
@@ -79,12 +83,15 @@ def free_place(design: Design) -> float:
 
 def added(design: Design, kind: str) -> Patch:
     """Return the patch that adds a small component of a kind in the widest gap; a cell floats neutral by itself."""
+    place = [free_place(design), 0.0, 0.0]
     component = {"mass": 0.0} | _new_component(kind) | {
-        "kind": kind, "name": free_name(design, NAMES[kind]), "position": [free_place(design), 0.0, 0.0]
+        "kind": kind, "name": free_name(design, NAMES[kind]), "position": place
     }  # fmt: skip
+    if kind == "rolling_mass":  # a finger's breadth below its axis, so that turning it moves weight sideways
+        component |= {"pivot": place, "position": [place[0], 0.0, 0.01]}
     part = _components.validate_python(component)
     if isinstance(part, Bellows | Piston | Bladder):
-        density = design.mission.environment.water.density
+        density = surface_density(design.mission.environment.water)
         component["mass"] = float(f"{density * volume(part, part.neutral):.4g}")
     return [
         {"op": "add", "path": "/vehicle/components/-", "value": component},
@@ -108,9 +115,10 @@ def duplicated(design: Design, index: int) -> Patch:
     shift = round(max(high - low, 0.01) * 1.1, 3)
     document = original.model_dump(mode="json")
     document |= {"name": free_name(design, original.name), "position": [x + shift, y, z], "color": None}
-    if original.center_of_mass is not None:
-        gx, gy, gz = original.center_of_mass
-        document["center_of_mass"] = [gx + shift, gy, gz]
+    for name in ("center_of_mass", "pivot"):
+        if document.get(name) is not None:
+            gx, gy, gz = document[name]
+            document[name] = [gx + shift, gy, gz]
     if isinstance(original, Rigid):
         document["color"] = original.color
     return [{"op": "add", "path": "/vehicle/components/-", "value": document}, *declared_more(design, original.mass)]

@@ -88,15 +88,28 @@ def wing(span: float, chord: float, *, tip_chord: float, sweep: float, thickness
     tip_lead = chord / 2.0 - sweep
     outline = [(tip_lead, -span / 2.0), (chord / 2.0, 0.0), (tip_lead, span / 2.0)]
     outline += [(tip_lead - tip_chord, span / 2.0), (-chord / 2.0, 0.0), (tip_lead - tip_chord, -span / 2.0)]
-    flat = np.array(outline)
-    upper = np.column_stack([flat, np.full(6, -thickness / 2.0)])
-    lower = np.column_stack([flat, np.full(6, thickness / 2.0)])
-    plate = np.array([(0, 5, 4), (0, 4, 1), (1, 4, 3), (1, 3, 2)])
-    k = np.arange(6)
-    n = (k + 1) % 6
+    return _plate(outline, [(0, 5, 4), (0, 4, 1), (1, 4, 3), (1, 3, 2)], thickness)
+
+
+def fin(span: float, chord: float, *, tip_chord: float, sweep: float, thickness: float) -> Mesh:
+    """Return a flat panel from the middle of its root chord outwards along +y, leading edge to +x."""
+    tip_lead = chord / 2.0 - sweep
+    outline = [(chord / 2.0, 0.0), (tip_lead, span), (tip_lead - tip_chord, span), (-chord / 2.0, 0.0)]
+    return _plate(outline, [(0, 3, 2), (0, 2, 1)], thickness)
+
+
+def _plate(outline: list[tuple[float, float]], triangles: list[tuple[int, int, int]], thickness: float) -> Mesh:
+    """Return a plate: an outline in x and y, seen from above (-z) in the sense that its triangles have."""
+    flat, count = np.array(outline), len(outline)
+    upper = np.column_stack([flat, np.full(count, -thickness / 2.0)])
+    lower = np.column_stack([flat, np.full(count, thickness / 2.0)])
+    plate = np.array(triangles)
+    k = np.arange(count)
+    n = (k + 1) % count
     # the edges have vertices of their own, so that they stay sharp
-    edge = np.concatenate([np.stack([12 + k, 12 + n, 18 + k], 1), np.stack([18 + k, 12 + n, 18 + n], 1)])
-    faces = np.concatenate([plate, plate[:, ::-1] + 6, edge])
+    a, b = 2 * count, 3 * count
+    edge = np.concatenate([np.stack([a + k, a + n, b + k], 1), np.stack([b + k, a + n, b + n], 1)])
+    faces = np.concatenate([plate, plate[:, ::-1] + count, edge])
     return Mesh(np.concatenate([upper, lower, upper, lower]), faces.astype(np.int32))
 
 

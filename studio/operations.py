@@ -22,7 +22,7 @@ from studio.polar import polar_document
 from studio.registry import OpenSession
 from studio.session import Change
 from studio.state import state_json
-from studio.view import CAMERAS
+from studio.view import VIEWS
 
 router = APIRouter(prefix="/s/{session_id}", include_in_schema=False)
 
@@ -128,10 +128,10 @@ def trim_ballast(opened: Admitted) -> Response:
 
 @router.post("/camera", status_code=204)
 def set_camera(opened: Admitted, document: Document) -> None:
-    """Look from the side, the top, behind, or freely."""
+    """Look from the side, the top, behind, freely, or at the whole path."""
     view = _member(document, "view")
-    if not isinstance(view, str) or view not in CAMERAS:
-        raise DesignError([Problem("/view", f"there is no view '{view}'", hint=f"use one of {', '.join(CAMERAS)}")])
+    if not isinstance(view, str) or view not in VIEWS:
+        raise DesignError([Problem("/view", f"there is no view '{view}'", hint=f"use one of {', '.join(VIEWS)}")])
     opened.view().camera(view)
 
 

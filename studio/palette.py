@@ -10,13 +10,13 @@ Rgb = tuple[int, int, int]
 
 CELLS = ("#f2b134", "#4fc3a1", "#7aa7ff", "#d98cc4", "#a3d468", "#ff9f7a", "#63d0e6", "#c6a5ff")
 RIGID = "#9fb3c8"
-# cyan, yellow, vermilion: apart from each other and from the water for each kind of colour blindness
-BUOYANCY, LIFT, DRAG, WEIGHT = "#7fe7ff", "#ffe45c", "#ff7a59", "#d8dee6"
+# cyan, yellow, vermilion, pale violet: apart from each other and from the water for each kind of colour blindness
+BUOYANCY, LIFT, DRAG, SIDE = "#7fe7ff", "#ffe45c", "#ff7a59", "#e3b5ff"
 CENTER_OF_MASS, CENTER_OF_BUOYANCY = "#ff6f81", "#5bc8f5"
-PATH = "#f3f7fb"
+PATH, BEACON = "#f3f7fb", "#ef5b6f"
 WATER_TOP, WATER_BOTTOM = "#397fa5", "#0f2a45"
-DEPTH_LINE, DEPTH_TEXT = "#7fb2cf", "#d6e8f3"
-SURFACE, BED = "#8fd0ee", "#6d6656"
+DEPTH_LINE, WALL_LINE = "#7fb2cf", "#4d86a8"
+SURFACE, BED = "#8fd0ee", "#4a463c"
 
 
 def rgb(color: str) -> Rgb:

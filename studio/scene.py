@@ -6,7 +6,6 @@ World and body axes are the physics' own (x forward, y to starboard, z down): po
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -16,18 +15,15 @@ from models.components import Component
 from models.design import Design
 from models.mass_properties import initial_extensions, mass_balance
 from studio import meshes, palette
+from studio.attitude import Quaternion
 from studio.bodies import Body, bodies, drawn_extent, extent
 from studio.meshes import Mesh
 from studio.palette import component_colors, rgb
 
 SHORTEST_ARROW = 1e-4
-ARROWS = {"weight": palette.WEIGHT, "buoyancy": palette.BUOYANCY, "lift": palette.LIFT, "drag": palette.DRAG}
+LEVEL = (1.0, 0.0, 0.0, 0.0)
+ARROWS = {"buoyancy": palette.BUOYANCY, "lift": palette.LIFT, "drag": palette.DRAG, "side": palette.SIDE}
 """The page's legend (static/tokens.css) names the forces in these colours too."""
-
-
-def pitch_quaternion(theta: float) -> tuple[float, float, float, float]:
-    """Return the attitude (w, x, y, z) of a pitch angle, nose up positive, rad."""
-    return math.cos(theta / 2.0), 0.0, math.sin(theta / 2.0), 0.0
 
 
 class PartNodes:
@@ -46,7 +42,11 @@ class PartNodes:
             self.remove()
             self._build(*wanted)
             self._drawn = wanted
-        self._frame.position = component.position
+        self.place(component.position, LEVEL)
+
+    def place(self, position: tuple[float, float, float], attitude: Quaternion) -> None:
+        """Put the component somewhere else in the vehicle: a mass that slid or turned."""
+        self._frame.position, self._frame.wxyz = position, attitude
 
     def remove(self) -> None:
         """Take the component out of the scene."""
@@ -94,6 +94,9 @@ class GliderNodes:
             arrow.visible = False
             arrow.scale = SHORTEST_ARROW
             self._arrows.append(arrow)
+        # where the glider is, for a page that shows the whole path and gives it its size
+        self._beacon = add_mesh(scene, "/glider/beacon", meshes.sphere(1.0), palette.BEACON)
+        self._beacon.visible, self._beacon.scale = False, SHORTEST_ARROW
 
     def update(self, design: Design) -> None:
         """Draw this design's components, and its centres at the start."""
@@ -109,6 +112,11 @@ class GliderNodes:
     def stack(self, index: int) -> Any:
         """Return the growing body of component `index`, or None."""
         return self._parts[index].stack if index < len(self._parts) else None
+
+    def place(self, index: int, position: tuple[float, float, float], attitude: Quaternion) -> None:
+        """Put component `index` somewhere else in the vehicle: a mass that slid or turned."""
+        if index < len(self._parts):
+            self._parts[index].place(position, attitude)
 
     def _stand_aside(self, side: float, above: float) -> None:
         """Let the force arrows begin to starboard and above, where cameras stand: hull and wing would hide them."""
@@ -144,58 +152,11 @@ def vehicle_length(design: Design) -> float:
 
 
 def half_width(design: Design) -> float:
-    """Return how far the vehicle reaches to starboard, wings apart, m."""
+    """Return how far the vehicle reaches to starboard, wings and fins apart, m."""
     reach = [
         c.position[1] + extent(body)[1][1]
         for c in design.vehicle.components
         for body in bodies(c)
-        if body.kind != "wing"
+        if body.kind not in ("wing", "fin")
     ]
     return max(reach, default=0.0)
-
-
-class Gizmo:
-    """Arrows above the selected component that move it along the body's x and z axes.
-
-    A child of `/glider`: what it reports is in body axes whatever attitude a page shows. It stands clear of the
-    component, for a part that can be clicked would take the pointer from it.
-    """
-
-    UPSIDE_DOWN = (0.0, 1.0, 0.0, 0.0)
-
-    def __init__(self, scene: viser.SceneApi, on_move: Callable[[tuple[float, float, float]], None]) -> None:
-        self._scene, self._on_move = scene, on_move
-        self._handle: Any = None
-        self._scale = self._clearance = 0.0
-        self._dragging = False
-
-    def update(self, component: Component, length: float) -> None:
-        """Put it on a component of a vehicle of this length; while it is dragged it stays with the pointer."""
-        scale = round(0.14 * length, 2)
-        if scale != self._scale:
-            self._make(scale)
-        if not self._dragging:
-            x, y, z = component.position
-            top = min((extent(body)[0][2] for body in bodies(component)), default=0.0)
-            self._clearance = 0.03 * length - top
-            self._handle.position = (x, y, z - self._clearance)
-
-    def _make(self, scale: float) -> None:
-        if self._handle is not None:
-            self._handle.remove()
-        self._scale = scale
-        self._handle = self._scene.add_transform_controls(
-            "/glider/gizmo", scale=scale, active_axes=(True, False, True), disable_sliders=True,
-            disable_rotations=True, depth_test=False, line_width=2.0, opacity=0.9, wxyz=self.UPSIDE_DOWN,
-        )  # fmt: skip
-        # coroutines keep the order of a drag's phases
-        self._handle.on_update(self._moved)
-
-    async def _moved(self, event: Any) -> None:
-        if event.client is None:
-            return
-        self._dragging = event.phase != "end"
-        if event.phase == "start":
-            return
-        x, y, z = (float(v) for v in event.target.position)
-        self._on_move((x, y, z + self._clearance))

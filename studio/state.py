@@ -4,26 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic_core import to_json
 
-from models.components import Actuated, Rigid
+from models.components import Rigid, RollingMass, extension_unit
 from models.design import Design
 from models.mass_properties import initial_extensions, mass_balance
 from models.problems import Problem
-from models.run import VARIABLES, Run
+from models.run import Run
 from models.run_warnings import run_warnings
 from models.schedule import Schedule
-from server.decimation import choose_samples
+from models.water import gravity_of, surface_density
 from studio.bodies import drawn_length
+from studio.curves import run_document
 from studio.palette import component_colors
+from studio.polar import source_in_short
+from studio.scene import vehicle_length
 from studio.session import Session
 
-MAX_POINTS = 800
-DIGITS = 7
-FLAT_VARIABLES = ("z", "theta", "alpha", "flow_angle", "speed", "net_buoyancy")
-"""Columns whose extremes decimation keeps, beside the cells'."""
 REFUSED = "The change was refused"
 
 
@@ -49,6 +46,8 @@ def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:
         "selected": session.selected,
         "components": _components(design, colors),
         "schedules": _schedules(design, colors),
+        "model": design.mission.solver.model,
+        "length": vehicle_length(design),
         "duration": design.mission.duration,
         "initial_depth": design.mission.initial.position[2],
         "bed_depth": design.mission.environment.bed_depth,
@@ -85,19 +84,19 @@ def _sentence(problem: Problem) -> str:
 def _components(design: Design, colors: list[str]) -> list[dict[str, Any]]:
     rows = []
     for i, component in enumerate(design.vehicle.components):
-        low = high = neutral = None
+        row: dict[str, Any] = {
+            "index": i, "name": component.name, "kind": component.kind, "color": colors[i], "mass": component.mass,
+            "position": component.position, "moves": False, "cell": False, "drawn_length": None,
+        }  # fmt: skip
         if not isinstance(component, Rigid):
-            (low, high), neutral = component.stroke, component.neutral
-        rows.append(
-            {
-                "index": i, "name": component.name, "kind": component.kind, "color": colors[i], "mass": component.mass,
-                "cell": component.kind in ("bellows", "piston", "bladder"), "moves": not isinstance(component, Rigid),
-                "extension_min": low, "extension_max": high, "extension_neutral": neutral,
-                "drawn_length": drawn_length(component),
-                "position": component.position,
-                "axis": None if isinstance(component, Rigid) else component.axis,
-            }
-        )  # fmt: skip
+            row |= {
+                "moves": True, "cell": component.kind in ("bellows", "piston", "bladder"),
+                "unit": extension_unit(component), "axis": component.axis,
+                "extension_min": component.stroke[0], "extension_max": component.stroke[1],
+                "extension_neutral": component.neutral, "drawn_length": drawn_length(component),
+                "pivot": component.pivot if isinstance(component, RollingMass) else None,
+            }  # fmt: skip
+        rows.append(row)
     return rows
 
 
@@ -115,12 +114,8 @@ def _schedules(design: Design, colors: list[str]) -> list[dict[str, Any]]:
 
 
 def _hydrodynamics(design: Design) -> str:
-    table = design.vehicle.hydrodynamics
-    law = "PCHIP" if table.law == "pchip" else "polynomials"
-    data = (
-        "mean of speeds" if table.speed is None and len(table.speeds) > 1 else f"{table.speed or table.speeds[0]:g} m/s"
-    )
-    return f"{table.provenance.title} · {law} · {data}"
+    source = design.vehicle.hydrodynamics
+    return f"{source.provenance.title} · {source_in_short(source)}"
 
 
 def _solver(design: Design) -> str:
@@ -134,46 +129,9 @@ def _mass(design: Design) -> dict[str, Any]:
     environment = design.mission.environment
     return {
         "mass": balance.mass,
-        "net_buoyancy": balance.net_buoyancy(environment.water.density, environment.gravity),
+        "net_buoyancy": balance.net_buoyancy(surface_density(environment.water), gravity_of(environment)),
         "displaced_volume": balance.volume,
         "center_of_mass": balance.center_of_mass.tolist(),
         "center_of_buoyancy": balance.center_of_buoyancy.tolist(),
         "com_below_cob": float(balance.center_of_mass[2] - balance.center_of_buoyancy[2]),
     }
-
-
-def run_document(run: Run, design: Design) -> dict[str, Any]:
-    """Return a run's curves, thinned to what a screen shows; its cells by their index in the present design."""
-    columns, cells = run.values, run.cell_values
-    # the cells' columns too: a step of a command must not be thinned away
-    leading = [columns[name] for name in FLAT_VARIABLES] + list(cells["command"].T) + list(cells["extension"].T)
-    chosen = choose_samples(leading, MAX_POINTS)
-    indices = {c.name: i for i, c in enumerate(design.vehicle.components) if isinstance(c, Actuated)}
-    return {
-        "status": run.status.name,
-        "message": run.status.value,
-        "events": [{"time": e.time, "kind": e.kind, "label": str(e)} for e in run.events],
-        "energy_residual": run.largest_residual,
-        "energy_exchanged": run.energy_exchanged,
-        "elapsed_ms": 1e3 * run.statistics["elapsed"],
-        "units": {"t": "s"} | {name: unit for name, (unit, _) in VARIABLES.items()},
-        "columns": {"t": rounded(run.times[chosen])}
-        | {name: rounded(column[chosen]) for name, column in columns.items()},
-        "cells": [
-            {"name": name, "component": indices[name]}
-            | {kind: rounded(values[chosen, k]) for kind, values in cells.items()}
-            for k, name in enumerate(run.cells)
-            if name in indices
-        ],
-    }
-
-
-def rounded(values: NDArray[np.float64]) -> list[float]:
-    """Return values at seven significant digits, whose JSON is short."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        exponent = np.floor(np.log10(np.abs(values)))
-    exponent = np.where(np.isfinite(exponent), exponent, 0.0)
-    # dividing by an exact power of ten rounds once, so that the shortest text of the result has few digits
-    scale = 10.0 ** np.clip(DIGITS - 1 - exponent, 0.0, 22.0)
-    shortened: list[float] = (np.round(values * scale) / scale).tolist()
-    return shortened

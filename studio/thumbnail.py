@@ -14,7 +14,8 @@ from models.run import Run
 from models.simulate import simulate
 from models.warm import kernel_is_ready
 from studio import palette
-from studio.bodies import Body, bodies, rotate
+from studio.attitude import rotate
+from studio.bodies import Body, bodies
 from studio.meshes import Array
 from studio.palette import component_colors
 from studio.water import path_points
@@ -22,6 +23,8 @@ from studio.water import path_points
 WIDTH, HEIGHT = 480, 216
 GLIDER_BAND, PATH_BAND = (24.0, 96.0), (118.0, 192.0)
 MARGIN = 36.0
+FROM_NORTH_EAST = np.array([[0.82, 0.21], [-0.57, 0.30], [0.0, 0.93]])
+"""Takes north, east and down to across and down in a picture from the north-east, a little from above."""
 
 
 def preset_svg(preset_id: str) -> tuple[str, bool]:
@@ -89,14 +92,19 @@ def _silhouette(design: Design) -> list[str]:
 
 
 def _path(run: Run) -> list[str]:
-    points = path_points(run)[:, [0, 2]]
+    whole = path_points(run)
+    turns = float(np.ptp(whole[:, 1])) > 0.1 * float(np.ptp(whole[:, 0]))
+    points = whole @ FROM_NORTH_EAST if turns else whole[:, [0, 2]]
     points = points[:: max(1, len(points) // 240)]
     low, high = points.min(axis=0), points.max(axis=0)
     top, bottom = PATH_BAND
     # both axes alike where that fills the band, else the depth enlarged: its shape is what one recognises
     across = (WIDTH - 2 * MARGIN) / max(high[0] - low[0], 1e-6)
     down = (bottom - top) / max(high[1] - low[1], 1e-6)
+    if turns:  # a circle enlarged one way would be none
+        across = down = min(across, down)
     at = (points - low) * (across, min(down, 4.0 * across)) + np.array([MARGIN, top])
+    at[:, 0] += (WIDTH - MARGIN - at[:, 0].max()) / 2.0
     line = " ".join(f"{x:.1f},{y:.1f}" for x, y in at)
     return [
         f'<polyline points="{line}" fill="none" stroke="{palette.PATH}" stroke-opacity=".9" stroke-width="2" '

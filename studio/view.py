@@ -7,19 +7,24 @@ import threading
 
 import numpy as np
 
+from models.components import Actuated, Mover, RollingMass
 from models.design import Design
 from models.problems import DesignError
 from models.run import Run
 from studio import palette
+from studio.attitude import Quaternion, attitude_at, quaternion_about, quaternion_from_rpy_radians, rotate
 from studio.bodies import drawn_length
+from studio.gizmo import Gizmo
 from studio.guard import GuardedServer, make_server
 from studio.palette import rgb
 from studio.panel.form import Form
-from studio.scene import Gizmo, GliderNodes, pitch_quaternion, vehicle_extent, vehicle_length
+from studio.scene import LEVEL, GliderNodes, vehicle_extent, vehicle_length
 from studio.session import Change, Session
 from studio.water import WaterNodes, path_points
 
 log = logging.getLogger(__name__)
+
+Vector = tuple[float, float, float]
 
 FIELD_OF_VIEW = np.deg2rad(32.0)
 EXAGGERATION = 10.0
@@ -29,9 +34,16 @@ CAMERAS = {
     # where the camera stands, in lengths of the vehicle from its middle: x forward, y to starboard, z down
     "side": (0.2, 2.1, -0.62),
     "top": (0.0, 0.02, -2.6),
-    "chase": (-2.4, 0.55, -0.8),
+    "chase": (-2.5, 0.0, -0.9),
     "free": (1.5, 1.9, -1.1),
 }
+OVERVIEW = "overview"
+VIEWS = (*CAMERAS, OVERVIEW)
+OUTLOOK = np.array((0.6, 0.85, -0.4)) * 2.1
+"""Where the camera stands to see a whole path, in diagonals of the box around it; the page puts its middle at zero."""
+NEAR, FAR = 0.01, 1000.0
+NEAR_OFF = 0.5
+"""Nothing is near in the overview; a metre away Viser keeps the background, which must not be cut off."""
 
 
 class View:
@@ -66,12 +78,15 @@ class View:
         self.server.stop()
 
     def camera(self, view: str) -> None:
-        """Look from the side, the top, behind, or freely, in every browser of the session."""
-        look_at, position = self._camera_pose(view)
+        """Look from the side, the top, behind, freely, or at the whole path, in every browser of the session."""
+        far_off = view == OVERVIEW
+        size = self._path_size()
+        look_at, position = ((0.0, 0.0, 0.0), OUTLOOK * size) if far_off else self._camera_pose(view)
         for client in self.server.get_clients().values():
             with client.atomic():
                 client.camera.fov = FIELD_OF_VIEW
                 client.camera.up_direction = (0.0, 0.0, -1.0)
+                client.camera.near, client.camera.far = (NEAR_OFF, 10.0 * size) if far_off else (NEAR, FAR)
                 client.camera.position = position
                 client.camera.look_at = look_at
 
@@ -81,15 +96,15 @@ class View:
         if run is None:
             return
         with self._lock, self.server.atomic():
-            times = run.times
 
             def now(name: str) -> float:
-                return float(np.interp(t, times, run.values[name]))
+                return float(np.interp(t, run.times, run.values[name])) if name in run.values else 0.0
 
-            self._pose(now("x"), now("z"), now("theta"))
-            self.glider.centers["com"].position = (now("com_x"), 0.0, now("com_z"))
-            self.glider.centers["cob"].position = (now("cob_x"), 0.0, now("cob_z"))
-            self._stretch_cells(run, t)
+            self._pose((now("x"), now("y"), now("z")), attitude_at(run, t))
+            for center in ("com", "cob"):
+                place = (now(f"{center}_x"), now(f"{center}_y"), now(f"{center}_z"))
+                self.glider.centers[center].position = place
+            self._move_parts(run, t)
         self.server.flush()
 
     def _prepare_scene(self) -> None:
@@ -104,7 +119,13 @@ class View:
         look_at, position = self._camera_pose(view)
         camera.fov, camera.up = float(FIELD_OF_VIEW), (0.0, 0.0, -1.0)
         camera.position, camera.look_at = position, look_at
-        camera.near, camera.far = 0.01, 1000.0
+        camera.near, camera.far = NEAR, FAR
+
+    def _path_size(self) -> float:
+        """Return the diagonal of the box around the path, m."""
+        run, length = self.session.run, vehicle_length(self.session.design)
+        spans = [0.0] if run is None else [float(np.ptp(run.values[k])) for k in ("x", "y", "z") if k in run.values]
+        return max(float(np.linalg.norm(spans)), 2.0 * length)
 
     def _camera_pose(self, view: str) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         low, high = vehicle_extent(self.session.design)
@@ -126,8 +147,9 @@ class View:
             self._drawn = design
             self.glider.update(design)
             initial = design.mission.initial
-            self._pose(initial.position[0], initial.position[2], initial.pitch)
-        self.gizmo.update(self.session.selected_component, vehicle_length(design))
+            self._pose(initial.position, quaternion_from_rpy_radians(initial.roll, initial.pitch, initial.yaw))
+        sideways = design.mission.solver.model == "spatial"
+        self.gizmo.update(self.session.selected_component, vehicle_length(design), sideways=sideways)
         if run is not None and run is not self._drawn_run:
             self._drawn_run = run
             points = path_points(run)
@@ -136,20 +158,24 @@ class View:
         elif run is None:
             self.water.frame_around(design, np.array([design.mission.initial.position]))
 
-    def _pose(self, x: float, z: float, theta: float) -> None:
+    def _pose(self, position: Vector, attitude: Quaternion) -> None:
         """Let the water move past the glider, which stays in the middle of the scene."""
-        self.water.frame.position = (-x, 0.0, -z)
-        self.glider.frame.wxyz = pitch_quaternion(theta)
+        x, y, z = position
+        self.water.frame.position = (-x, -y, -z)
+        self.glider.frame.wxyz = attitude
 
-    def _stretch_cells(self, run: Run, t: float) -> None:
+    def _move_parts(self, run: Run, t: float) -> None:
         extensions = run.cell_values["extension"]
         for i, part in self.session.design.vehicle.actuated:
-            stack, length = self.glider.stack(i), drawn_length(part)
-            if stack is None or length is None or part.name not in run.cells:
+            if part.name not in run.cells:
                 continue
             extension = float(np.interp(t, run.times, extensions[:, run.cells.index(part.name)]))
-            stretch = 1.0 + EXAGGERATION * (extension - part.neutral) / length
-            stack.scale = (max(stretch, SMALLEST_STRETCH), 1.0, 1.0)
+            stack, length = self.glider.stack(i), drawn_length(part)
+            if isinstance(part, Mover):
+                self.glider.place(i, *moved_to(part, extension))
+            elif stack is not None and length is not None:
+                stretch = 1.0 + EXAGGERATION * (extension - part.neutral) / length
+                stack.scale = (max(stretch, SMALLEST_STRETCH), 1.0, 1.0)
 
     def _select(self, index: int) -> None:
         try:
@@ -157,14 +183,27 @@ class View:
         except DesignError:
             log.debug("a part was clicked that is no longer there")
 
-    def _move_selected(self, position: tuple[float, float, float]) -> None:
+    def _move_selected(self, position: Vector) -> None:
         index = self.session.selected
-        y = self.session.selected_component.position[1]
-        place = [round(position[0], 5), y, round(position[2], 5)]
+        place = [round(v, 5) for v in position]
+        if self.session.design.mission.solver.model == "planar":
+            place[1] = self.session.selected_component.position[1]
         try:
             self.session.set_field(f"/vehicle/components/{index}/position", place)
         except DesignError:
             log.debug("a dragged part was refused; the session tells why")
+
+
+def moved_to(part: Actuated, extension: float) -> tuple[Vector, Quaternion]:
+    """Return where a mass that slides or rolls is at an extension, and how it is turned, in body axes."""
+    travel = extension - part.neutral
+    if isinstance(part, RollingMass):
+        turn, pivot = quaternion_about(part.axis, travel), np.array(part.pivot)
+        x, y, z = (float(v) for v in pivot + rotate(np.array([part.position]) - pivot, turn)[0])
+        return (x, y, z), turn
+    along = travel / float(np.linalg.norm(part.axis))
+    x, y, z = (p + along * a for p, a in zip(part.position, part.axis, strict=True))
+    return (x, y, z), LEVEL
 
 
 def _gradient(top: str, bottom: str) -> np.ndarray:

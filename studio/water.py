@@ -1,4 +1,4 @@
-"""Owns what is fixed in the water, under `/world`: surface, bed, depth lines, and the path of the glide."""
+"""Owns what is fixed in the water, under `/world`: surface, bed, lines of depth, and the path of the glide."""
 
 from __future__ import annotations
 
@@ -12,35 +12,25 @@ from numpy.typing import NDArray
 from models.design import Design
 from models.run import Run
 from server.decimation import choose_samples
-from studio import meshes, palette
+from studio import grid, meshes, palette
+from studio.curves import curve_samples
+from studio.grid import Lines, nice_step, segments
 from studio.palette import rgb
 from studio.scene import add_mesh, vehicle_length
 
 Array = NDArray[np.float64]
 
 MAX_PATH_POINTS = 2000
-MAX_DEPTH_LINES = 24
-MAX_LABELS = 112
-
-
-def nice_step(span: float, most: int) -> float:
-    """Return the smallest of 1, 2, 5 times a power of ten that divides a span into at most `most` steps."""
-    least = span / most
-    power = 10.0 ** math.floor(math.log10(least))
-    return next(m * power for m in (1.0, 2.0, 5.0, 10.0) if m * power >= least * (1.0 - 1e-12))
 
 
 def path_points(run: Run) -> Array:
     """Return the path of the body origin, at most `MAX_PATH_POINTS` rows of x, y, z, m."""
     x, z = run.values["x"], run.values["z"]
+    if run.model == "spatial":
+        chosen = curve_samples(run, MAX_PATH_POINTS)
+        return np.column_stack([x[chosen], run.values["y"][chosen], z[chosen]])
     chosen = choose_samples([z, x], MAX_PATH_POINTS)
     return np.column_stack([x[chosen], np.zeros(len(chosen)), z[chosen]])
-
-
-def segments(points: Array) -> NDArray[np.float32]:
-    """Return a line through points as segments (n - 1, 2, 3)."""
-    line = points if len(points) > 1 else np.repeat(points, 2, axis=0)
-    return np.stack([line[:-1], line[1:]], axis=1).astype(np.float32)
 
 
 class WaterNodes:
@@ -50,8 +40,9 @@ class WaterNodes:
         self._scene = scene
         self.frame = scene.add_frame("/world", show_axes=False)
         self._path: Any = None
-        self._frame_of: tuple[float, ...] | None = None
-        self._grid: list[Any] = []
+        self._frame_of: tuple[object, ...] | None = None
+        self._fixed: list[Any] = []
+        self._rungs: list[Any] = []
 
     def show_path(self, points: Array) -> None:
         """Draw the path."""
@@ -64,53 +55,81 @@ class WaterNodes:
             self._path.points = line
 
     def frame_around(self, design: Design, points: Array) -> None:
-        """Draw surface, bed and depth lines around a path; anew only where it outgrew them."""
+        """Draw surface, bed and lines of depth around a path; what is fixed anew only where the path outgrew it.
+
+        A path that hardly leaves the plane y = 0 has its lines in it, one that turns a ladder of its own and walls.
+        """
+        if float(np.ptp(points[:, 1])) > vehicle_length(design):
+            self._frame_space(design, points)
+        else:
+            self._frame_plane(design, points)
+
+    def _frame_plane(self, design: Design, points: Array) -> None:
         length = vehicle_length(design)
         bed = design.mission.environment.bed_depth
         reach = 4.0 * length
-        step = max(nice_step(reach, 5), nice_step(float(np.ptp(points[:, 2])) + length, MAX_DEPTH_LINES - 8))
+        step = max(nice_step(reach, 5), nice_step(float(np.ptp(points[:, 2])) + length, grid.MAX_DEPTH_LINES - 8))
         low = step * math.floor((points[:, 2].min() - reach) / step)
         high = step * math.ceil((points[:, 2].max() + reach) / step)
         begin = 4.0 * step * math.floor((points[:, 0].min() - reach) / (4.0 * step))
         end = 4.0 * step * math.ceil((points[:, 0].max() + reach) / (4.0 * step))
-        wanted = (max(low, 0.0), high if bed is None else min(high, bed), begin, end, step, length, bed or 0.0)
+        low, high = max(low, 0.0), high if bed is None else min(high, bed)
+        wanted = ("plane", low, high, begin, end, step, length, bed)
         if wanted != self._frame_of:
-            self._frame_of = wanted
-            self._draw_frame(*wanted)
+            self._clear(wanted)
+            self._draw("grid", grid.plane(low, high, begin, end, step=step, apart=3.5 * length), palette.DEPTH_LINE)
+            self._add_sheets((begin, end), (-2.5 * length, 0.0), length, bed)
 
-    def _draw_frame(
-        self, low: float, high: float, begin: float, end: float, step: float, length: float, bed: float
-    ) -> None:
-        for node in self._grid:
+    def _frame_space(self, design: Design, points: Array) -> None:
+        length, bed = vehicle_length(design), design.mission.environment.bed_depth
+        low, high = grid.room_box(points, length, bed)
+        wanted = ("space", *low.round(6).tolist(), *high.round(6).tolist(), length, bed)
+        if wanted != self._frame_of:
+            self._clear(wanted)
+            self._draw("room", grid.room(low, high), palette.WALL_LINE)
+            self._add_sheets((low[0], high[0]), (low[1], high[1]), length, bed)
+        self._show_rungs(grid.rungs(points, length))
+
+    def _clear(self, wanted: tuple[object, ...]) -> None:
+        self._frame_of = wanted
+        for node in (*self._fixed, *self._rungs[:1]):  # labels are children: they leave with their lines
             node.remove()
-        behind = -2.5 * length
-        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-        depths = step * np.arange(first, last + 1, dtype=np.float64)
-        # in the plane of the glide: behind it, perspective would put the glider at another line than its own
-        lines = np.array([[(begin, 0.0, z), (end, 0.0, z)] for z in depths], dtype=np.float32).reshape(-1, 2, 3)
-        self._grid = [
-            self._scene.add_line_segments(
-                "/world/grid", lines, rgb(palette.DEPTH_LINE), thickness=1.0, thickness_units="screen"
+        self._fixed, self._rungs = [], []
+
+    def _draw(self, name: str, drawn: Lines, color: str) -> None:
+        root = f"/world/{name}"
+        self._fixed.append(
+            self._scene.add_line_segments(root, drawn.lines, rgb(color), thickness=1.0, thickness_units="screen")
+        )
+        for k, label in enumerate(drawn.labels):
+            self._add_label(f"{root}/label{k}", *label)  # a child of the lines: it leaves the scene with them
+
+    def _add_label(self, name: str, text: str, place: tuple[float, float, float]) -> Any:
+        return self._scene.add_label(name, text, position=place, font_screen_scale=0.7, anchor="bottom-left")
+
+    def _show_rungs(self, drawn: Lines) -> None:
+        """Move the rungs to where the path now passes: their lines in one node, and as many labels as are needed."""
+        if not self._rungs:
+            lines = self._scene.add_line_segments(
+                "/world/rungs", drawn.lines, rgb(palette.DEPTH_LINE), thickness=1.0, thickness_units="screen"
             )
-        ]
-        self._add_labels(depths, begin, end, 0.0, 3.5 * length)
-        far = ((begin - 40.0 * length, end + 40.0 * length), (behind - 40.0 * length, 40.0 * length))
+            self._rungs = [lines]
+        self._rungs[0].points = drawn.lines
+        labels = self._rungs[1:]
+        while len(labels) > len(drawn.labels):
+            labels.pop().remove()
+        for k, (text, place) in enumerate(drawn.labels):
+            if k == len(labels):
+                labels.append(self._add_label(f"/world/rungs/label{k}", text, place))
+            labels[k].text, labels[k].position = text, place
+        self._rungs = [self._rungs[0], *labels]
+
+    def _add_sheets(self, x: tuple[float, float], y: tuple[float, float], length: float, bed: float | None) -> None:
+        far = max(40.0 * length, 2.0 * (x[1] - x[0]), 2.0 * (y[1] - y[0]))
+        sheet = meshes.sheet((x[0] - far, x[1] + far), (y[0] - far, y[1] + far))
         # seen from below only: from above it would veil what lies under it
-        sheet = meshes.sheet(*far)
-        surface = add_mesh(self._scene, "/world/surface", sheet, palette.SURFACE, opacity=0.3, one_sided=True)
-        self._grid.append(surface)
-        if bed > 0.0:
+        self._fixed.append(add_mesh(self._scene, "/world/surface", sheet, palette.SURFACE, opacity=0.3, one_sided=True))
+        if bed is not None:
             floor = add_mesh(self._scene, "/world/bed", sheet, palette.BED)
             floor.position = (0.0, 0.0, bed)
-            self._grid.append(floor)
-
-    def _add_labels(self, depths: Array, begin: float, end: float, behind: float, apart: float) -> None:
-        # where the glider passes there should always be a label in sight
-        columns = max(1, min(round((end - begin) / apart), MAX_LABELS // max(len(depths), 1)))
-        places = np.linspace(begin, end, columns + 1)[:-1]
-        for k, (x, z) in enumerate((x, z) for x in places for z in depths):
-            # children of the grid: they leave the scene with it
-            self._scene.add_label(
-                f"/world/grid/label{k}", f"{z:g} m", position=(float(x), behind, float(z)), font_screen_scale=0.7,
-                anchor="bottom-left",
-            )  # fmt: skip
+            self._fixed.append(floor)

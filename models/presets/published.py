@@ -76,6 +76,7 @@ def seawing() -> dict[str, Any]:
     }  # fmt: skip
     ballast = {
         "kind": "rigid", "name": "Ballast", "mass": 0.3, "volume": 0.0, "position": [0.0, 0.0, 0.0], "color": "#4fc3a1",
+        "shapes": [{"kind": "cylinder", "length": 0.12, "radius": 0.05}],
         "notes": "Net heaviness.",
     }  # fmt: skip
     added = [[0.0] * 6 for _ in range(6)]
@@ -119,7 +120,8 @@ def slocum() -> dict[str, Any]:
     }  # fmt: skip
     ballast = {
         "kind": "rigid", "name": "Ballast", "mass": 1.04732, "volume": 0.0, "position": [0.0, 0.0, 0.0],
-        "color": "#4fc3a1", "notes": "Variable ballast for 0.3 m/s at -25 deg, by Graver's closed form.",
+        "color": "#4fc3a1", "shapes": [{"kind": "cylinder", "length": 0.12, "radius": 0.05}],
+        "notes": "Variable ballast for 0.3 m/s at -25 deg, by Graver's closed form.",
     }  # fmt: skip
     slide = {
         "kind": "movable_mass", "name": "Movable mass", "mass": 9.0, "position": [0.0, 0.0, 0.05],

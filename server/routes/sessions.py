@@ -9,8 +9,8 @@ from fastapi.responses import Response
 from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
-from models.checks import warnings_for
 from models.design import Design
+from models.design_warnings import warnings_for
 from models.problems import DesignError, echo, problems_from_validation
 from server.answers import json_answer
 from server.dependencies import Document, Live

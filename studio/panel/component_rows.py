@@ -1,52 +1,58 @@
-"""Owns the rows of one component: place, mass, the laws of its cell, and its schedule."""
+"""Owns the rows of one component: place, mass, and the laws of its cell or of its motion."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from models.components import Bellows, Bladder, Component, MovableMass, Piston, Rigid
+from models.components import Actuated, Bellows, Bladder, Component, MovableMass, Mover, Piston, Rigid, RollingMass
 from models.design import Design
 from models.mass_properties import initial_extensions
 from models.mission import Initial
 from models.problems import pointer_to
-from models.schedule import Schedule, SchedulePoint
 from models.volumes import volume
 from studio.changes import Patch, renamed, table_patch
 from studio.panel.rows import (
     CM2,
     CM3,
     COUNT,
+    DEGREE,
+    DEGREE_PER_S,
     GRAM,
     KG_CM2,
     MM,
     MM_PER_S,
+    PERCENT,
     SECOND,
     Row,
-    actions,
+    Unit,
     at,
     field_row,
     hint_for,
-    note,
+    is_spatial,
     readout,
 )
 from studio.scene import vehicle_length
 
-MAX_POINTS_SHOWN = 12
 AXES = (
     ("forward", (1.0, 0.0, 0.0)),
     ("aft", (-1.0, 0.0, 0.0)),
     ("down", (0.0, 0.0, 1.0)),
     ("up", (0.0, 0.0, -1.0)),
+    ("starboard", (0.0, 1.0, 0.0)),
+    ("port", (0.0, -1.0, 0.0)),
 )
+
+
+def unit_of(component: Component) -> Unit:
+    """Return the unit in which people read a component's extension."""
+    return DEGREE if isinstance(component, RollingMass) else MM
 
 
 def component_rows(design: Design, index: int) -> list[Row]:
     """Return the rows of component `index`."""
-    component = design.vehicle.components[index]
-    rows = _common_rows(component, index)
+    component, spatial = design.vehicle.components[index], is_spatial(design)
+    rows = _common_rows(component, index, spatial=spatial)
     match component:
         case Rigid():
-            rows += _rigid_rows(index)
+            rows += _rigid_rows(index, spatial=spatial)
         case Bellows():
             rows += _bellows_rows(component, index)
         case Piston():
@@ -55,9 +61,12 @@ def component_rows(design: Design, index: int) -> list[Row]:
             rows += _bladder_rows(component, index)
         case MovableMass():
             rows += _stroke_rows(MovableMass, index)
+        case RollingMass():
+            rows += _rolling_rows(index)
     if not isinstance(component, Rigid):
-        rows[3:3] = _extension_rows(component)
-        rows += _actuator_rows(component, index)
+        place = next(k for k, row in enumerate(rows) if row.label == "Mass") + 1
+        rows[place:place] = _extension_rows(component)
+        rows += _actuator_rows(component, index, spatial=spatial)
     return rows
 
 
@@ -65,8 +74,9 @@ def _path(index: int, *fields: str | int) -> tuple[str | int, ...]:
     return "vehicle", "components", index, *fields
 
 
-def _common_rows(component: Component, index: int) -> list[Row]:
+def _common_rows(component: Component, index: int, *, spatial: bool) -> list[Row]:
     kind = type(component)
+    path = _path(index, "position")
 
     def reach(design: Design) -> tuple[float, float]:
         half = round(0.6 * vehicle_length(design), 2)
@@ -80,18 +90,19 @@ def _common_rows(component: Component, index: int) -> list[Row]:
         "Name", "text", lambda design: at(design, *_path(index, "name")),
         lambda design, value: renamed(design, index, value), hint=hint_for(kind, "name"),
     )  # fmt: skip
-    forward, down = "Here x: forward.", "Here z: down."
-    return [
-        field_row(
-            "Position x", _path(index, "position", 0), kind, widget="slider", unit=MM, span=reach, remark=forward
-        ),
-        field_row("Position z", _path(index, "position", 2), kind, widget="slider", unit=MM, span=height, remark=down),
+    rows = [
+        field_row("Position x", (*path, 0), kind, widget="slider", unit=MM, span=reach, remark="Here x: forward."),
+        field_row("Position z", (*path, 2), kind, widget="slider", unit=MM, span=height, remark="Here z: down."),
         field_row("Mass", _path(index, "mass"), kind, unit=GRAM),
         name,
     ]
+    if spatial or component.position[1] != 0.0:
+        remark = "Here y: to starboard."
+        rows.insert(1, field_row("Position y", (*path, 1), kind, widget="slider", unit=MM, span=height, remark=remark))
+    return rows
 
 
-def _rigid_rows(index: int) -> list[Row]:
+def _rigid_rows(index: int, *, spatial: bool) -> list[Row]:
     def center(design: Design, axis: int, value: float) -> Patch:
         component = design.vehicle.components[index]
         point = list(component.center_of_mass or component.position)
@@ -108,17 +119,23 @@ def _rigid_rows(index: int) -> list[Row]:
             hint=hint_for(Rigid, "center_of_mass"), unit=MM,
         )  # fmt: skip
 
-    inertia = _path(index, "inertia", "yy")
-    return [
-        field_row("Volume", _path(index, "volume"), Rigid, unit=CM3),
-        center_row("Centre of mass x", 0),
-        center_row("Centre of mass z", 2),
-        Row(
-            "Pitch inertia", "number", lambda design: at(design, *inertia),
-            lambda _, value: [{"op": "replace", "path": pointer_to(*inertia), "value": value}],
-            hint="Moment of inertia in pitch about its own centre of mass (I_yy).", unit=KG_CM2,
-        ),
-    ]  # fmt: skip
+    def inertia_row(label: str, name: str) -> Row:
+        path = _path(index, "inertia", name)
+        about = f"Moment of inertia in {label.split()[0].lower()} about its own centre of mass (I_{name})."
+        return Row(
+            label, "number", lambda design: at(design, *path),
+            lambda _, value: [{"op": "replace", "path": pointer_to(*path), "value": value}], hint=about, unit=KG_CM2,
+        )  # fmt: skip
+
+    volume_row = field_row("Volume", _path(index, "volume"), Rigid, unit=CM3)
+    if not spatial:
+        return [
+            volume_row, center_row("Centre of mass x", 0), center_row("Centre of mass z", 2),
+            inertia_row("Pitch inertia", "yy"),
+        ]  # fmt: skip
+    centers = [center_row(f"Centre of mass {name}", i) for i, name in enumerate("xyz")]
+    inertias = [inertia_row(f"{name} inertia", axis) for name, axis in (("Roll", "xx"), ("Pitch", "yy"), ("Yaw", "zz"))]
+    return [volume_row, *centers, *inertias]
 
 
 def _extension_rows(component: Component) -> list[Row]:
@@ -130,13 +147,14 @@ def _extension_rows(component: Component) -> list[Row]:
     def stops(design: Design) -> tuple[float, float]:
         return next(c.stroke for _, c in design.vehicle.actuated if c.name == name)
 
+    label = "Angle at start" if isinstance(component, RollingMass) else "Extension at start"
     rows = [
         Row(
-            "Extension at start", "slider", lambda design: initial_extensions(design)[name], write,
-            hint=hint_for(Initial, "extensions"), unit=MM, span=stops, step=0.1,
+            label, "slider", lambda design: initial_extensions(design)[name], write,
+            hint=hint_for(Initial, "extensions"), unit=unit_of(component), span=stops, step=0.1,
         )
     ]  # fmt: skip
-    if not isinstance(component, MovableMass):
+    if not isinstance(component, Mover):
 
         def start_volume(design: Design) -> float:
             part = next(c for c in design.vehicle.components if c.name == name)
@@ -151,6 +169,18 @@ def _stroke_rows(kind: type[Bellows] | type[MovableMass], index: int) -> list[Ro
         field_row("Stroke from", _path(index, "extension_range", 0), kind, unit=MM),
         field_row("Stroke to", _path(index, "extension_range", 1), kind, unit=MM),
         field_row("Neutral", _path(index, "neutral_extension"), kind, unit=MM),
+    ]
+
+
+def _rolling_rows(index: int) -> list[Row]:
+    return [
+        field_row("Angle from", _path(index, "angle_range", 0), RollingMass, unit=DEGREE),
+        field_row("Angle to", _path(index, "angle_range", 1), RollingMass, unit=DEGREE),
+        field_row("Neutral", _path(index, "neutral_angle"), RollingMass, unit=DEGREE),
+        *(
+            field_row(f"Pivot {name}", _path(index, "pivot", i), RollingMass, unit=MM, remark=f"Here {name}.")
+            for i, name in enumerate("xyz")
+        ),
     ]
 
 
@@ -192,58 +222,20 @@ def _bladder_rows(component: Bladder, index: int) -> list[Row]:
     ]
 
 
-def _actuator_rows(component: Component, index: int) -> list[Row]:
-    kind = type(component)
-    axis = getattr(component, "axis", AXES[0][1])
+def _actuator_rows(component: Actuated, index: int, *, spatial: bool) -> list[Row]:
+    kind, axis = type(component), component.axis
+    rolls = isinstance(component, RollingMass)
+    rate = DEGREE_PER_S if rolls else MM_PER_S
     choices = AXES if any(axis == choice for _, choice in AXES) else (*AXES, ("oblique", axis))
-    return [
-        field_row("Rate limit", _path(index, "rate_limit"), kind, unit=MM_PER_S, none=0.0, remark="0: no limit."),
+    label = "Turns about" if rolls else "Slides" if isinstance(component, Mover) else "Grows"
+    rows = [
+        field_row("Rate limit", _path(index, "rate_limit"), kind, unit=rate, none=0.0, remark="0: no limit."),
         field_row("Lag", _path(index, "lag"), kind, unit=SECOND, step=0.1),
-        field_row("Grows", _path(index, "axis"), kind, widget="choice", choices=choices),
+        field_row(label, _path(index, "axis"), kind, widget="choice", choices=choices),
     ]
-
-
-def _schedule_of(design: Design, name: str) -> tuple[int, Schedule] | None:
-    return next(((i, s) for i, s in enumerate(design.mission.control.schedules) if s.cell == name), None)
-
-
-def schedule_rows(design: Design, index: int) -> list[Row]:
-    """Return the rows of the schedule that component `index` follows; none where it cannot move."""
-    component = design.vehicle.components[index]
-    if isinstance(component, Rigid):
-        return []
-    found = _schedule_of(design, component.name)
-    points = found[1].points if found else ()
-    rows: list[Row] = []
-    for k in range(min(len(points), MAX_POINTS_SHOWN)):
-        path = ("mission", "control", "schedules", found[0] if found else 0, "points", k)
-        shapes = (("step", "step"), ("ramp", "ramp"))
+    if spatial:  # the planar model keeps no account of the battery
         rows += [
-            field_row(f"Time {k + 1}", (*path, "time"), SchedulePoint, unit=SECOND),
-            field_row(f"Extension {k + 1}", (*path, "extension"), SchedulePoint, unit=MM, step=0.1),
-            field_row(f"Shape {k + 1}", (*path, "shape"), SchedulePoint, widget="choice", choices=shapes),
+            field_row("Efficiency", _path(index, "efficiency"), kind, unit=PERCENT),
+            field_row("Recovery", _path(index, "recovery"), kind, unit=PERCENT),
         ]
-    if not points:
-        rows.append(note(lambda _: "Holds its extension at start."))
-    if len(points) > MAX_POINTS_SHOWN:
-        rows.append(note(lambda _: f"{len(points) - MAX_POINTS_SHOWN} more points are in the timeline below."))
-    options = (("+ Add", -1), *((f"− {k + 1}", k) for k in range(min(len(points), MAX_POINTS_SHOWN))))
-    rows.append(actions("Points", options, lambda d, k: _points_patch(d, component.name, k)))
     return rows
-
-
-def _points_patch(design: Design, name: str, k: int) -> Patch:
-    """Return the patch that removes point k, or for k = -1 adds one after the last."""
-    found = _schedule_of(design, name)
-    schedules: tuple[str | int, ...] = ("mission", "control", "schedules")
-    if found is None:
-        point: dict[str, Any] = {"time": 0.0, "extension": initial_extensions(design)[name]}
-        return [{"op": "add", "path": pointer_to(*schedules, "-"), "value": {"cell": name, "points": [point]}}]
-    i, schedule = found
-    if k < 0:
-        last, end = schedule.points[-1], design.mission.duration
-        time = round((last.time + end) / 2.0, 2) if last.time < 0.99 * end else last.time + 1.0
-        point = {"time": time, "extension": last.extension}
-        return [{"op": "add", "path": pointer_to(*schedules, i, "points", "-"), "value": point}]
-    whole = len(schedule.points) == 1
-    return [{"op": "remove", "path": pointer_to(*schedules, i, *(() if whole else ("points", k)))}]

@@ -11,9 +11,10 @@ import viser
 from models.design import Design
 from models.problems import DesignError
 from studio.palette import component_colors
-from studio.panel import section_rows, skin
-from studio.panel.component_rows import component_rows, schedule_rows
+from studio.panel import force_rows, mass_rows, mission_rows, skin
+from studio.panel.component_rows import component_rows
 from studio.panel.rows import Row
+from studio.panel.schedule_rows import schedule_rows
 from studio.panel.section import Field, Section
 from studio.session import Session
 
@@ -23,9 +24,15 @@ KINDS = {
     "+ Piston": "piston",
     "+ Bladder": "bladder",
     "+ Movable mass": "movable_mass",
+    "+ Rolling mass": "rolling_mass",
     "+ Rigid": "rigid",
 }
 DUPLICATE, REMOVE = "Duplicate", "Remove"
+
+
+def _weight(mass: float) -> str:
+    """Return a mass for the list: grams, or kilograms of a heavy part."""
+    return f"{mass:.4g} kg" if mass >= 10.0 else f"{mass * 1e3:.4g} g"
 
 
 class Form:
@@ -49,11 +56,12 @@ class Form:
         self._schedule = self._section("Schedule", 7.0, self._selected_schedule)
         gui.add_html(skin.heading("Glider and mission"), order=9.0)
         self._others = [
-            self._section("Mass properties", 10.0, section_rows.mass_rows),
+            self._section("Mass properties", 10.0, mass_rows.mass_rows),
             self._section("Hydrodynamics", 11.0, self._hydrodynamics),
-            self._section("Added mass and damping", 12.0, section_rows.damping_rows),
-            self._section("Water and mission", 13.0, section_rows.mission_rows),
-            self._section("Solver", 14.0, section_rows.solver_rows),
+            self._section("Added mass and damping", 12.0, force_rows.damping_rows),
+            self._section("Water", 13.0, mission_rows.water_rows),
+            self._section("Mission", 13.5, mission_rows.mission_rows),
+            self._section("Solver", 14.0, mission_rows.solver_rows),
         ]
         self.update()
 
@@ -87,7 +95,7 @@ class Form:
         return schedule_rows(design, self._index(design))
 
     def _hydrodynamics(self, design: Design) -> list[Row]:
-        return section_rows.hydrodynamics_rows(design, self._session.assembly.law.errors)
+        return force_rows.hydrodynamics_rows(design)
 
     def _index(self, design: Design) -> int:
         return min(self._session.selected, len(design.vehicle.components) - 1)
@@ -114,7 +122,7 @@ class Form:
     def _update_list(self, design: Design, index: int) -> bool:
         components = design.vehicle.components
         wanted = [
-            (c.name, color, f"{c.mass * 1e3:.4g} g", i == index)
+            (c.name, color, _weight(c.mass), i == index)
             for i, (c, color) in enumerate(zip(components, component_colors(components), strict=True))
         ]
         if wanted == self._listed:

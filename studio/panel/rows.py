@@ -32,9 +32,11 @@ PLAIN = Unit("", 1.0, 6)
 COUNT = Unit("", 1.0, 0)
 MM, METRE = Unit("mm", 1e3, 3), Unit("m", 1.0, 4)
 GRAM, CM2, CM3 = Unit("g", 1e3, 3), Unit("cm²", 1e4, 4), Unit("cm³", 1e6, 4)
+DEGREE_PER_S, CM_PER_S = Unit("°/s", 57.29577951308232, 3), Unit("cm/s", 1e2, 3)
 MM_PER_S, SECOND, MILLISECOND = Unit("mm/s", 1e3, 3), Unit("s", 1.0, 3), Unit("ms", 1e3, 4)
 DEGREE = Unit("°", 57.29577951308232, 3)
 KG_CM2 = Unit("kg cm²", 1e4, 4)
+PERCENT, WATT = Unit("%", 1e2, 2), Unit("W", 1.0, 3)
 DENSITY, GRAVITY = Unit("kg/m³", 1.0, 3), Unit("m/s²", 1.0, 5)
 DAMPING, DAMPING_LINEAR = Unit("N m s", 1.0, 6), Unit("N s/m", 1.0, 5)
 
@@ -137,6 +139,11 @@ def field_row(
         label, widget, lambda design: at(design, *path), write, hint=hint, unit=unit, step=step, span=span,
         none=none, choices=choices,
     )  # fmt: skip
+
+
+def is_spatial(design: Design) -> bool:
+    """Whether a design is simulated in three dimensions."""
+    return design.mission.solver.model == "spatial"
 
 
 def readout(label: str, read: Callable[[Design], float], unit: Unit, *, hint: str | None = None) -> Row:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable
+from typing import Any
 
 from playwright.sync_api import FrameLocator, Locator, Page
 
@@ -26,6 +27,27 @@ class StudioPage:
         # a quarter of the pixels: the test machine draws in software
         page.goto(page.url.split("?")[0] + "?fixedDpr=0.25")
         return cls(page)
+
+    @classmethod
+    def open_document(cls, page: Page, url: str, document: dict[str, Any]) -> StudioPage:
+        """Open a design document as the page of presets does with a file."""
+        answer = page.request.post(f"{url}/sessions", data=document)
+        assert answer.status == 201, answer.text()
+        page.goto(f"{url}{answer.json()['url']}?fixedDpr=0.25")
+        return cls(page)
+
+    def edit(self, *patch: dict[str, Any]) -> None:
+        """Change the design through the session's operations, as a script beside the page would."""
+        address = self.url.split("?")[0]
+        origin = "/".join(address.split("/")[:3])
+        answer = self.page.request.post(f"{address}edit", data={"patch": list(patch)}, headers={"Origin": origin})
+        assert answer.ok, answer.text()
+
+    def pose(self, name: str) -> dict[str, Any] | None:
+        """Return where Viser's client holds a node, and its attitude (w, x, y, z)."""
+        frame = next(f for f in self.page.frames if "/view/" in f.url)
+        found: dict[str, Any] | None = frame.evaluate(f"() => window.__viserMutable.nodePoseData['{name}']")
+        return found
 
     @property
     def url(self) -> str:

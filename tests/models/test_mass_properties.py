@@ -12,7 +12,8 @@ from models.kernel.actuators import balance_with_parts
 from models.mass_properties import mass_balance, point_inertia, trim_ballast
 from models.presets import load_preset, preset_ids
 from models.problems import DesignError
-from models.water import gravity_of
+from models.volumes import volume
+from models.water import density_at, gravity_of
 from tests.models.support import BODY, PISTON, document
 from tests.strategies import designs, states
 
@@ -121,12 +122,32 @@ def test_a_movable_mass_moves_the_centre_of_mass_along_its_axis():
     assert moved.volume == home.volume
 
 
-@pytest.mark.parametrize("preset_id", preset_ids())
-def test_presets_are_neutral(preset_id):
+@pytest.mark.parametrize("preset_id", ["canete-dual-bellows", "three-cell-glider"])
+def test_planar_presets_are_neutral(preset_id):
     design = load_preset(preset_id)
     environment = design.mission.environment
     net = mass_balance(design.vehicle).net_buoyancy(environment.water.density, gravity_of(environment))
     assert abs(net) <= 1e-14  # N: rounding of a weight of 8 N
+
+
+@pytest.mark.parametrize("preset_id", [name for name in preset_ids() if name.startswith(("quad", "movable"))])
+def test_lake_presets_are_as_heavy_at_the_surface_as_light_at_100_m(preset_id):
+    """Cells at neutral: so dive and climb ask the same of them. The hull gives way to pressure, the water does not."""
+    design = load_preset(preset_id)
+    environment, net = design.mission.environment, []
+    for depth in (0.0, 100.0):
+        z = np.linspace(0.0, depth, 20_001)
+        pressure = np.trapezoid(density_at(environment.water, z), z) * gravity_of(environment)
+        displaced = sum(
+            volume(c, getattr(c, "neutral", 0.0)) * (1.0 - (pressure / c.bulk_modulus if c.bulk_modulus else 0.0))
+            for c in design.vehicle.components if c.kind not in ("movable_mass", "rolling_mass")
+        )  # fmt: skip
+        net.append(gravity_of(environment) * (density_at(environment.water, depth) * displaced - _mass(design)))
+    assert net[0] < -0.2 and net[0] == pytest.approx(-net[1], abs=2e-3)
+
+
+def _mass(design):
+    return mass_balance(design.vehicle).mass
 
 
 @given(designs())

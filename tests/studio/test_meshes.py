@@ -8,7 +8,8 @@ import trimesh
 
 from models.presets import load_preset, preset_ids
 from studio import meshes
-from studio.bodies import bodies, drawn_length, rotate, x_axis_to
+from studio.attitude import rotate
+from studio.bodies import bodies, drawn_length, x_axis_to
 from studio.meshes import Mesh
 
 SECTIONS = meshes.SECTIONS
@@ -28,6 +29,7 @@ ALL = {
     "bellows": meshes.bellows(0.08, 0.016, 0.024, pleats=8),
     "ellipsoid": meshes.ellipsoid(0.08, 0.02),
     "wing": meshes.wing(0.5, 0.1, tip_chord=0.06, sweep=0.03, thickness=0.004),
+    "fin": meshes.fin(0.2, 0.1, tip_chord=0.06, sweep=0.03, thickness=0.004),
     "arrow": meshes.arrow(),
     "sphere": meshes.sphere(0.01),
     "ring": meshes.ring(0.02, 0.003),
@@ -49,6 +51,7 @@ def test_volumes_are_those_of_the_solids() -> None:
     r, R = 0.016, 0.024
     frustums = math.pi / 3.0 * (r * r + r * R + R * R) * 0.08
     assert solid(ALL["bellows"]).volume == pytest.approx(INSCRIBED * frustums, rel=1e-9)
+    assert solid(ALL["fin"]).volume == pytest.approx(0.2 * (0.1 + 0.06) / 2.0 * 0.004, rel=1e-9)
     assert solid(ALL["wing"]).volume == pytest.approx(0.5 * (0.1 + 0.06) / 2.0 * 0.004, rel=1e-9)
 
 
@@ -77,7 +80,7 @@ def test_the_axis_is_turned_onto_its_direction(direction: tuple[float, float, fl
 def test_every_component_of_the_presets_is_drawn(preset: str) -> None:
     for component in load_preset(preset).vehicle.components:
         drawn = bodies(component)
-        assert drawn
+        assert drawn or (component.kind == "rigid" and not component.shapes)
         stretches = component.kind in ("bellows", "piston", "bladder")
         assert sum(body.grows for body in drawn) == (1 if stretches else 0)
         assert (drawn_length(component) is not None) == stretches

@@ -13,9 +13,9 @@ import pytest
 
 from models.presets import load_preset
 from models.simulate import simulate
-from studio.bodies import rotate
-from studio.scene import pitch_quaternion
-from studio.water import path_points, segments
+from studio.attitude import quaternion_from_rpy_radians, rotate
+from studio.grid import segments
+from studio.water import path_points
 from tests.studio.conftest import Studio, wait_until
 from tests.studio.raw_client import RawClient
 
@@ -165,9 +165,11 @@ def test_nodes_have_the_physics_own_axes(studio: Studio) -> None:
 def test_positive_pitch_raises_the_nose_and_positive_roll_lowers_starboard() -> None:
     nose, starboard = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1.0, 0.0]])
     # z points down: above is negative
-    assert rotate(nose, pitch_quaternion(0.3))[0] == pytest.approx((math.cos(0.3), 0.0, -math.sin(0.3)), abs=1e-12)
-    roll = (math.cos(0.15), math.sin(0.15), 0.0, 0.0)
+    pitch = quaternion_from_rpy_radians(0.0, 0.3, 0.0)
+    assert rotate(nose, pitch)[0] == pytest.approx((math.cos(0.3), 0.0, -math.sin(0.3)), abs=1e-12)
+    roll, yaw = (quaternion_from_rpy_radians(0.3, 0.0, 0.0), quaternion_from_rpy_radians(0.0, 0.0, 0.3))
     assert rotate(starboard, roll)[0] == pytest.approx((0.0, math.cos(0.3), math.sin(0.3)), abs=1e-12)
+    assert rotate(nose, yaw)[0] == pytest.approx((math.cos(0.3), math.sin(0.3), 0.0), abs=1e-12)
 
 
 def test_the_scene_has_the_nodes_that_the_page_moves(studio: Studio) -> None:
@@ -176,7 +178,7 @@ def test_the_scene_has_the_nodes_that_the_page_moves(studio: Studio) -> None:
         return {m["name"] for m in browser.messages if "name" in m}
 
     found, _ = browse(studio, names, preset="three-cell-glider")
-    arrows = {f"/glider/arrow_{name}" for name in ("weight", "buoyancy", "lift", "drag")}
+    arrows = {f"/glider/arrow_{name}" for name in ("buoyancy", "lift", "drag", "side")}
     cells = {f"/glider/cell{i}/stack" for i in (3, 4, 5)}
     parts = {f"/glider/part{i}" for i in (0, 1, 2, 6)}
     assert {"/world", "/world/path", "/glider", "/glider/com", "/glider/cob"} | arrows | cells | parts <= found
@@ -199,5 +201,7 @@ def test_the_server_can_move_the_glider_itself(studio: Studio) -> None:
     position = moved["SetPositionMessage /world"]["position"]
     assert position == pytest.approx((-float(at["x"]), 0.0, -float(at["z"])), abs=1e-9)
     attitude = moved["SetOrientationMessage /glider"]["wxyz"]
-    assert attitude == pytest.approx(pitch_quaternion(float(at["theta"])), abs=1e-9)
+    # between two samples the attitude is linear and made of length 1: second order in a twentieth of a second
+    expected = quaternion_from_rpy_radians(0.0, float(at["theta"]), 0.0)
+    assert attitude == pytest.approx(expected, abs=1e-6)
     assert moved["SceneNodeUpdateMessage /glider/cell1/stack"]["updates"]["scale"][0] != 1.0
