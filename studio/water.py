@@ -125,7 +125,8 @@ class WaterNodes:
         self._rungs = [self._rungs[0], *labels]
 
     def _add_sheets(self, x: tuple[float, float], y: tuple[float, float], length: float, bed: float | None) -> None:
-        far = max(40.0 * length, 2.0 * (x[1] - x[0]), 2.0 * (y[1] - y[0]))
+        # beyond what is seen from any depth: an edge would look like a wall
+        far = max(40.0 * length, 2.0 * (x[1] - x[0]), 2.0 * (y[1] - y[0]), 8.0 * (bed or 0.0))
         sheet = meshes.sheet((x[0] - far, x[1] + far), (y[0] - far, y[1] + far))
         # seen from below only: from above it would veil what lies under it
         self._fixed.append(add_mesh(self._scene, "/world/surface", sheet, palette.SURFACE, opacity=0.3, one_sided=True))
