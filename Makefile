@@ -49,6 +49,7 @@ warm: setup
 
 bench: setup-dev
 	$(BIN)/python -m benchmarks.planar
+	$(BIN)/python -m benchmarks.spatial
 	$(BIN)/python -m benchmarks.latency
 	$(BIN)/python -m benchmarks.startup
 

@@ -6,8 +6,6 @@ Everything runs single-threaded in one process; the C yardstick is compiled here
 from __future__ import annotations
 
 import ctypes
-import math
-import subprocess
 import tempfile
 import tracemalloc
 from collections.abc import Callable
@@ -17,12 +15,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.bare import compile_c, kernel_run, with_solver
 from benchmarks.reference import solve_reference
 from benchmarks.timing import interleaved_medians, print_ratio
 from models.assemble import Assembly, assemble
 from models.design import Design
-from models.kernel.integrate import integrate
-from models.kernel.params import EXTENSIONS, make_record, make_work
+from models.kernel.params import EXTENSIONS
 from models.presets import load_preset
 from models.simulate import run_assembly
 
@@ -40,21 +38,6 @@ class CParams(ctypes.Structure):
         ("table_rows", ctypes.c_int64), ("columns", ctypes.c_int64),
         ("lookup", ctypes.c_void_p), ("n_lookup", ctypes.c_int64),
     )  # fmt: skip
-
-
-def compile_c(folder: Path) -> ctypes.CDLL:
-    """Compile the yardstick and load it."""
-    source = Path(__file__).with_name("planar_rk4.c")
-    library = folder / "planar_rk4.so"
-    command = ["gcc", "-O3", "-march=native", "-shared", "-fPIC", "-o", str(library), str(source), "-lm"]
-    subprocess.run(command, check=True)
-    return ctypes.CDLL(str(library))
-
-
-def with_solver(design: Design, **changes: object) -> Design:
-    """Return the design with another solver."""
-    solver = design.mission.solver.model_copy(update=changes)
-    return design.model_copy(update={"mission": design.mission.model_copy(update={"solver": solver})})
 
 
 def c_run(library: ctypes.CDLL, assembly: Assembly) -> Callable[[], Array]:
@@ -84,23 +67,6 @@ def c_run(library: ctypes.CDLL, assembly: Assembly) -> Callable[[], Array]:
             saved += rk4(y.ctypes.data, ctypes.byref(records), rates.ctypes.data, STEP, count, every, out)
         states[saved] = y
         return states
-
-    return run
-
-
-def kernel_run(assembly: Assembly) -> Callable[[], Array]:
-    """Return a function that makes the bare kernel call and nothing else."""
-    mission, solver = assembly.design.mission, assembly.design.mission.solver
-    capacity, n = math.ceil(mission.duration / solver.output_interval) + 2, len(assembly.initial_state)
-    record, work = make_record(capacity, n, 100, np.zeros(2)), make_work(n, len(assembly.cells))
-
-    def run() -> Array:
-        record.counts[:] = 0
-        integrate(
-            solver.method == "adaptive", mission.duration, solver.step, solver.output_interval, 10_000_000,
-            assembly.initial_state.copy(), assembly.params, work, record,
-        )  # fmt: skip
-        return record.states[: record.counts[0]]
 
     return run
 
@@ -145,7 +111,7 @@ def main() -> None:
     tolerance, error = tolerance_for_goal(design, reference)
     adaptive = kernel_run(assemble(with_solver(design, method="adaptive", tolerance=tolerance)))
     with tempfile.TemporaryDirectory() as folder:
-        in_c = c_run(compile_c(Path(folder)), fixed)
+        in_c = c_run(compile_c("planar_rk4", Path(folder)), fixed)
         kernel = kernel_run(fixed)
         cases = {"kernel rk4": kernel, "c rk4": in_c, "kernel adaptive": adaptive}
         median = interleaved_medians(cases, rounds=41)

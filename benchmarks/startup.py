@@ -1,7 +1,15 @@
-"""From the command to the first page and glide, warm and with an empty kernel cache: `python -m benchmarks.startup`."""
+"""The kernel's compilation, and from the command to first page and glide: `python -m benchmarks.startup`.
+
+Both warm and with an empty kernel cache.
+"""
 
 from __future__ import annotations
 
+import json
+import os
+import statistics
+import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -29,8 +37,31 @@ def measure(kernel_cache: Path | None) -> tuple[float, float]:
         return page_at, time.perf_counter() - program.started
 
 
+def first_flights(kernel_cache: Path) -> dict[str, float]:
+    """Return the seconds of a fresh process: in all, for its imports, and for the first flight of each model."""
+    began = time.perf_counter()
+    environment = os.environ | {"GLIDER_STUDIO_KERNEL_CACHE": str(kernel_cache)}
+    command = [sys.executable, "-m", "benchmarks.first_flights"]
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        seconds: dict[str, float] = json.loads(process.stdout.readline())
+        return seconds | {"in all": time.perf_counter() - began}
+
+
+def report_kernel() -> None:
+    """Print how long the kernel of both models takes to compile, and to load from its cache."""
+    with tempfile.TemporaryDirectory() as empty:
+        cold = first_flights(Path(empty))
+        cached = [first_flights(Path(empty)) for _ in range(5)]
+    warm = {name: statistics.median(times[name] for times in cached) for name in cold}
+    for label, seconds, goal in (("compiled", cold, 45), ("from its cache", warm, 2)):
+        parts = ", ".join(f"{name} {value:.2f} s" for name, value in seconds.items() if name != "in all")
+        print(f"kernel {label}: {seconds['in all']:.2f} s (to reach: {goal}); {parts}")
+
+
 def main() -> None:
     """Measure and print."""
+    report_kernel()
     warm_kernel()
     page, glide = measure(None)
     print(f"warm: first page after {page:.1f} s (to reach: 4), first glide after {glide:.1f} s (to reach: 6)")

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from models.assemble_spatial import added_mass, damping_matrix, spatial_records
+from models.attitude import quaternion_from_rpy_radians, rotation_of
 from models.checks import check_design
 from models.components import Actuated, MovableMass, RollingMass
 from models.design import DeclaredMass, Design
@@ -209,11 +209,11 @@ def _initial_state(design: Design, extensions: list[float]) -> Array:
     if design.mission.solver.model == "planar":
         u, w, q = initial.velocity[0], initial.velocity[2], initial.angular_velocity[1]
         return np.array([x, z, initial.pitch, u, w, q, 0.0, 0.0, *extensions])
-    attitude = Rotation.from_euler("ZYX", [initial.yaw, initial.pitch, initial.roll])
-    velocity = np.array(initial.velocity) + attitude.inv().apply(_current_at(design, z))
+    attitude = quaternion_from_rpy_radians(initial.roll, initial.pitch, initial.yaw)
+    velocity = np.array(initial.velocity) + rotation_of(attitude).T @ _current_at(design, z)
     return np.array(
         [
-            x, y, z, *attitude.as_quat(scalar_first=True), *velocity, *initial.angular_velocity,
+            x, y, z, *attitude, *velocity, *initial.angular_velocity,
             0.0, 0.0, 0.0, *extensions, *np.zeros(len(extensions)),
         ]
     )  # fmt: skip

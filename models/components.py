@@ -107,6 +107,18 @@ class _Actuated(_Component):
         raise NotImplementedError
 
 
+def _require_stops(what: str, stops: tuple[float, float], neutral: float, unit: str) -> None:
+    """Raise `ValueError` where stops leave no stroke, or the neutral place lies outside them."""
+    low, high = stops
+    if not high - low >= SMALLEST_STROKE:
+        raise ValueError(
+            f"{what}_range [{low}, {high}] {unit} is empty: the first stop must lie below the second, "
+            f"by {SMALLEST_STROKE:g} {unit} at least"
+        )
+    if not low <= neutral <= high:
+        raise ValueError(f"neutral_{what} {neutral} {unit} lies outside the stops [{low}, {high}] {unit}")
+
+
 class _Stroked(_Actuated):
     extension_range: tuple[Extension, Extension] = vector(
         "Smallest and largest extension: the stops.", unit="m", symbol="e_min, e_max"
@@ -117,14 +129,7 @@ class _Stroked(_Actuated):
 
     @model_validator(mode="after")
     def _neutral_within_stops(self) -> Self:
-        low, high = self.extension_range
-        if not high - low >= SMALLEST_STROKE:
-            raise ValueError(
-                f"extension_range [{low}, {high}] m is empty: the first stop must lie below the second, "
-                f"by {SMALLEST_STROKE:g} m at least"
-            )
-        if not low <= self.neutral_extension <= high:
-            raise ValueError(f"neutral_extension {self.neutral_extension} m lies outside the stops [{low}, {high}] m")
+        _require_stops("extension", self.extension_range, self.neutral_extension, "m")
         return self
 
     @property
@@ -288,11 +293,7 @@ class RollingMass(_Actuated):
 
     @model_validator(mode="after")
     def _neutral_within_stops(self) -> Self:
-        low, high = self.angle_range
-        if not high - low >= SMALLEST_STROKE:
-            raise ValueError(f"angle_range [{low}, {high}] rad is empty: the first stop must lie below the second")
-        if not low <= self.neutral_angle <= high:
-            raise ValueError(f"neutral_angle {self.neutral_angle} rad lies outside the stops [{low}, {high}] rad")
+        _require_stops("angle", self.angle_range, self.neutral_angle, "rad")
         return self
 
     @property

@@ -70,11 +70,22 @@ class LateralCoefficients(Description):
     rates: RateTerms = text("Forces and moments by the rates of turning.", default=RateTerms())
 
 
-class PolarTable(Description):
+class Source(Description):
+    """What every source of force says of itself."""
+
+    provenance: Provenance = text("Where the data come from.")
+    reference_density: float = quantity(
+        "Density at which the forces were taken.", unit="kg/m3", symbol="rho_ref", ge=1e-3, le=2e4, default=1000.0
+    )
+    reference_point: Vector3 = vector(
+        "Point about which the moments were taken, body axes.", unit="m", symbol="r_ref", default=(0.0, 0.0, 0.0)
+    )
+
+
+class PolarTable(Source):
     """Lift, drag and pitching moment over the angle of attack at one or several speeds, as a tank or CFD gives them."""
 
     kind: Literal["polar_table"] = text("Which source this is: a table over the angle of attack.")
-    provenance: Provenance = text("Where the data come from.")
     law: Literal["pchip", "polynomial"] = text(
         "Law between the data: shape-preserving cubics through them, or the paper's polynomials of degree 5, 4, 7.",
         default="pchip",
@@ -83,12 +94,6 @@ class PolarTable(Description):
         "Use only the rows of this speed; none averages the coefficients of all speeds.",
         unit="m/s", symbol="V_data", default=None,
     )  # fmt: skip
-    reference_density: float = quantity(
-        "Density at which the forces were taken.", unit="kg/m3", symbol="rho_ref", ge=1e-3, le=2e4, default=1000.0
-    )
-    reference_point: Vector3 = vector(
-        "Point about which the moment was taken, body axes.", unit="m", symbol="r_ref", default=(0.0, 0.0, 0.0)
-    )
     includes_munk_moment: bool = text(
         "Whether the moment was measured on the body in a stream, and so already holds the Munk moment.", default=True
     )

@@ -7,8 +7,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from models.fields import Description, Vector3, quantity, text, vector
-from models.hydrodynamics import SMALLEST_SPACING_DEG, Force, Provenance, RateTerms
+from models.fields import text, vector
+from models.hydrodynamics import SMALLEST_SPACING_DEG, Force, RateTerms, Source
 
 MAX_ANGLES = 721
 Attack = Annotated[float, Field(strict=True, ge=-180.0, le=180.0)]
@@ -22,7 +22,7 @@ def _grid(what: str, unit: str, symbol: str) -> Grid:
     return vector(description, unit=unit, symbol=symbol, min_length=2, max_length=MAX_ANGLES)  # type: ignore[no-any-return]
 
 
-class AngleTable(Description):
+class AngleTable(Source):
     """Forces and moments in body axes over angle of attack and sideslip; cubics between.
 
     Where the sideslips begin at 0 the vehicle counts as symmetric from port to starboard, and negative ones are
@@ -31,13 +31,6 @@ class AngleTable(Description):
     """
 
     kind: Literal["angle_table"] = text("Which source this is: a table over angle of attack and sideslip.")
-    provenance: Provenance = text("Where the data come from.")
-    reference_density: float = quantity(
-        "Density at which the forces were taken.", unit="kg/m3", symbol="rho_ref", ge=1e-3, le=2e4, default=1000.0
-    )
-    reference_point: Vector3 = vector(
-        "Point about which the moments were taken, body axes.", unit="m", symbol="r_ref", default=(0.0, 0.0, 0.0)
-    )
     includes_munk_moment: bool = text(
         "Whether the moments were measured on the body in a stream, and so already hold the Munk moment.", default=True
     )

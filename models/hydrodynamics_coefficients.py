@@ -9,23 +9,16 @@ from __future__ import annotations
 
 from typing import Literal
 
-from models.fields import Description, Vector3, quantity, text, vector
-from models.hydrodynamics import Provenance, coefficient
+from models.fields import quantity, text
+from models.hydrodynamics import Source, coefficient
 
 PER_SPEED2, MOMENT_PER_SPEED2 = "N s2/m2", "N m s2/m2"
 
 
-class CoefficientForm(Description):
+class CoefficientForm(Source):
     """Lift, drag, side force and moments by the coefficients of the glider literature."""
 
     kind: Literal["coefficients"] = text("Which source this is: coefficients of the glider literature.")
-    provenance: Provenance = text("Where the coefficients come from.")
-    reference_density: float = quantity(
-        "Density at which the coefficients hold.", unit="kg/m3", symbol="rho_ref", ge=1e-3, le=2e4, default=1000.0
-    )
-    reference_point: Vector3 = vector(
-        "Point about which the moments are given, body axes.", unit="m", symbol="r_ref", default=(0.0, 0.0, 0.0)
-    )
     includes_munk_moment: bool = text(
         "Whether the moments already hold the Munk moment; those of the literature do not.", default=False
     )

@@ -41,34 +41,29 @@ class CylinderShape(_Placed):
         return self
 
 
-class WingShape(_Placed):
+class _Flat(_Placed):
+    chord: float = quantity("Chord at the root.", unit="m", symbol="c", gt=0.0, le=50.0)
+    tip_chord: float | None = quantity(
+        "Chord at the tip; the root's if not given.", unit="m", symbol="c_t", gt=0.0, le=50.0, default=None
+    )
+    sweep: float = quantity(
+        "How far the tip's leading edge lies behind the root's.", unit="m", symbol="s", ge=-50.0, le=50.0, default=0.0
+    )
+    thickness: float = quantity("Thickness.", unit="m", symbol="t", gt=0.0, le=10.0, default=0.004)
+
+
+class WingShape(_Flat):
     """A flat wing, port and starboard, with straight edges."""
 
     kind: Literal["wing"] = text("Which shape this is: a wing.")
     span: float = quantity("Span from tip to tip.", unit="m", symbol="b", gt=0.0, le=100.0)
-    chord: float = quantity("Chord at the root.", unit="m", symbol="c", gt=0.0, le=50.0)
-    tip_chord: float | None = quantity(
-        "Chord at the tip; the root's if not given.", unit="m", symbol="c_t", gt=0.0, le=50.0, default=None
-    )
-    sweep: float = quantity(
-        "How far the tip's leading edge lies behind the root's.", unit="m", symbol="s", ge=-50.0, le=50.0, default=0.0
-    )
-    thickness: float = quantity("Thickness.", unit="m", symbol="t", gt=0.0, le=10.0, default=0.004)
 
 
-class FinShape(_Placed):
+class FinShape(_Flat):
     """One flat panel with straight edges, outward from its root; `offset` is the middle of the root chord."""
 
     kind: Literal["fin"] = text("Which shape this is: a fin.")
     span: float = quantity("Span from root to tip.", unit="m", symbol="b", gt=0.0, le=100.0)
-    chord: float = quantity("Chord at the root.", unit="m", symbol="c", gt=0.0, le=50.0)
-    tip_chord: float | None = quantity(
-        "Chord at the tip; the root's if not given.", unit="m", symbol="c_t", gt=0.0, le=50.0, default=None
-    )
-    sweep: float = quantity(
-        "How far the tip's leading edge lies behind the root's.", unit="m", symbol="s", ge=-50.0, le=50.0, default=0.0
-    )
-    thickness: float = quantity("Thickness.", unit="m", symbol="t", gt=0.0, le=10.0, default=0.004)
     direction: Vector3 = vector(
         "Direction from root to tip, across the body x axis.", unit="1", symbol="d", default=(0.0, 0.0, -1.0)
     )

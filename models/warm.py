@@ -15,7 +15,7 @@ from pathlib import Path
 import numba
 
 from models.kernel import CACHE_FOLDER
-from models.presets import load_preset, preset_ids
+from models.presets import load_preset
 from models.simulate import simulate
 
 log = logging.getLogger(__name__)
@@ -57,5 +57,6 @@ def _compile_elsewhere() -> None:
 
 
 def compile_here() -> None:
-    """Compile the kernel in this process, or load it from its cache, and leave it there."""
-    simulate(load_preset(preset_ids()[0]))
+    """Compile the kernel in this process, or load it from its cache, and leave it there: both models."""
+    for preset_id in ("canete-dual-bellows", "quad-bellows-glide"):
+        simulate(load_preset(preset_id))

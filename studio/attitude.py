@@ -7,23 +7,17 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from models.attitude import quaternion_from_rpy_radians
 from models.run import Run
 
 Array = NDArray[np.float64]
 Quaternion = tuple[float, float, float, float]
 
 
-def quaternion_from_rpy_radians(roll: float, pitch: float, yaw: float) -> Quaternion:
+def attitude_of(roll: float, pitch: float, yaw: float) -> Quaternion:
     """Return the attitude of roll, pitch and yaw (Z-Y-X), rad: starboard down, nose up, nose to starboard."""
-    cr, sr = math.cos(roll / 2.0), math.sin(roll / 2.0)
-    cp, sp = math.cos(pitch / 2.0), math.sin(pitch / 2.0)
-    cy, sy = math.cos(yaw / 2.0), math.sin(yaw / 2.0)
-    return (
-        cy * cp * cr + sy * sp * sr,
-        cy * cp * sr - sy * sp * cr,
-        cy * sp * cr + sy * cp * sr,
-        sy * cp * cr - cy * sp * sr,
-    )
+    w, x, y, z = (float(v) for v in quaternion_from_rpy_radians(roll, pitch, yaw))
+    return w, x, y, z
 
 
 def quaternion_about(axis: tuple[float, float, float], angle: float) -> Quaternion:

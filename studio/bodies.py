@@ -12,7 +12,7 @@ from models.components import Actuated, Bellows, Bladder, Component, Mover, Pist
 from models.shapes import BellowsShape, CylinderShape, FinShape, HullShape, WingShape
 from models.volumes import volume
 from studio import meshes
-from studio.attitude import Quaternion, quaternion_from_rpy_radians, rotate
+from studio.attitude import Quaternion, attitude_of, rotate
 from studio.meshes import Mesh
 
 Vector = tuple[float, float, float]
@@ -111,7 +111,7 @@ def _shape_body(shape: object, component: Component, *, grows: bool) -> Body:
 
 def _outwards(direction: Vector) -> Quaternion:
     """Return the turn about x that takes a fin's span (+y) outwards."""
-    return quaternion_from_rpy_radians(math.atan2(direction[2], direction[1]), 0.0, 0.0)
+    return attitude_of(math.atan2(direction[2], direction[1]), 0.0, 0.0)
 
 
 def _default_body(component: Actuated) -> Body:

@@ -12,7 +12,7 @@ from models.design import Design
 from models.problems import DesignError
 from models.run import Run
 from studio import palette
-from studio.attitude import Quaternion, attitude_at, quaternion_about, quaternion_from_rpy_radians, rotate
+from studio.attitude import Quaternion, attitude_at, attitude_of, quaternion_about, rotate
 from studio.bodies import drawn_length
 from studio.gizmo import Gizmo
 from studio.guard import GuardedServer, make_server
@@ -147,7 +147,7 @@ class View:
             self._drawn = design
             self.glider.update(design)
             initial = design.mission.initial
-            self._pose(initial.position, quaternion_from_rpy_radians(initial.roll, initial.pitch, initial.yaw))
+            self._pose(initial.position, attitude_of(initial.roll, initial.pitch, initial.yaw))
         sideways = design.mission.solver.model == "spatial"
         self.gizmo.update(self.session.selected_component, vehicle_length(design), sideways=sideways)
         if run is not None and run is not self._drawn_run:

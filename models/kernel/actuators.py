@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from models.kernel.jit import compiled, inlined
+from models.kernel.jit import compiled, inlined, internal
 from models.kernel.params import EXTENSIONS, Q, U, W, Z
 from models.kernel.search import last_not_above
 
@@ -30,7 +30,7 @@ def volume_and_slope(part, e, p):
     return row[1] + h * (row[2] + h * (row[3] + h * row[4])), row[2] + h * (2.0 * row[3] + h * 3.0 * row[4])
 
 
-@inlined
+@internal
 def part_at(part, e, p):
     """Return V, dV/de, the stack's volume, the moving mass's x and z, and the travel from neutral, at extension e."""
     V, slope = volume_and_slope(part, e, p)
@@ -64,7 +64,7 @@ def balance_with_parts(y, p):
     return mass_x, mass_z, inertia, volume, volume_x, volume_z
 
 
-@inlined
+@internal
 def extension_rate(t, e, part, d):
     """Return de/dt of one part in the present segment, m/s."""
     if d[MODE] == STEADY:
@@ -73,7 +73,7 @@ def extension_rate(t, e, part, d):
     return min(max(wanted, -part.rate), part.rate)
 
 
-@inlined
+@internal
 def move_parts(t, y, p, drive, dy, s, c):
     """Write the extension rates into `dy`; return what `balance_with_parts` does, and the power of the actuators.
 
@@ -106,7 +106,7 @@ def move_parts(t, y, p, drive, dy, s, c):
     return mass_x, mass_z, inertia, volume, volume_x, volume_z, power
 
 
-@inlined
+@internal
 def command_row(part, t, p):
     """Return the row of the command in force at time t (from its own time on), by bisection."""
     low = part.command_start
@@ -127,7 +127,7 @@ def command(part, t, p):
     return min(max(row[1] + row[2] * (t - row[0]), part.stop_low), part.stop_high)
 
 
-@inlined
+@internal
 def lag_corner(gap, slope, rate, lag):
     """Return after how long a lagging part leaves or reaches its rate limit; infinity if it never does.
 
@@ -145,7 +145,7 @@ def lag_corner(gap, slope, rate, lag):
     return lag * math.log((tends_to - gap) / (tends_to - math.copysign(edge, slope)))
 
 
-@inlined
+@internal
 def next_current_time(t, p):
     """Return the next time at which the current has a corner; infinity if there is none."""
     now = t + SAME_TIME * max(1.0, abs(t))

@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 
 from models.kernel.actuators import balance_with_parts, move_parts
-from models.kernel.jit import inlined
+from models.kernel.jit import inlined, internal
 from models.kernel.params import EXTENSIONS, THETA, WORK_ACTUATORS, WORK_WATER, Q, U, W, X, Z
 from models.kernel.scalar import TINY, atan2, sincos
 
 
-@inlined
+@internal
 def find_piece(alpha, p):
     """Return the index of the table's piece that holds alpha in [-pi, pi]."""
     bucket = int((alpha + math.pi) * p.body[0].lookup_scale)
@@ -63,7 +63,7 @@ def hydrodynamics(u, w, p):
     return lift, drag, moment, X_h, Z_h, alpha, speed
 
 
-@inlined
+@internal
 def pitch_rate_terms(speed, q, p):
     """Return the force down and the pitching moment by pitch rate, N, N m."""
     s = p.space[0]
@@ -71,13 +71,13 @@ def pitch_rate_terms(speed, q, p):
     return p.rates[2, 1] * turning, (p.rates[4, 1] + p.coefficients[11] * abs(q)) * turning
 
 
-@inlined
+@internal
 def munk_excess(u, w, b):
     """Return the Munk moment that the table and the added mass would both count, N m (0 where only one does)."""
     return b.munk_in_table * ((b.a33 - b.a11) * u * w + b.a13 * (u * u - w * w))
 
 
-@inlined
+@internal
 def solve_symmetric(m11, m12, m13, m22, m23, m33, r1, r2, r3):
     """Solve the symmetric positive definite 3x3 system by elimination without pivoting."""
     per_m11 = 1.0 / m11
@@ -93,7 +93,7 @@ def solve_symmetric(m11, m12, m13, m22, m23, m33, r1, r2, r3):
     return (r1 - m12 * x2 - m13 * x3) * per_m11, x2, x3
 
 
-@inlined
+@internal
 def derivative(t, y, p, drive, dy):
     """Write dy/dt into `dy`: kinematics, accelerations, work rates, extension rates.
 
@@ -136,7 +136,7 @@ def derivative(t, y, p, drive, dy):
     dy[WORK_ACTUATORS] = power
 
 
-@inlined
+@internal
 def energies(y, p):
     """Return the kinetic energy (with the added mass) and the potential energy of a state, J."""
     b = p.body[0]

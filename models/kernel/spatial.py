@@ -178,17 +178,16 @@ def spatial_derivative(t, y, p, drive, dy):
     rot = attitude(y)
     flow = water_velocity(t, y, p, rot)
     nu_r = through_water(y, flow)
-    power = move_members(t, y, p, drive, dy, rot[6], rot[7], rot[8])
+    displaced, power = move_members(t, y, p, drive, dy, rot[6], rot[7], rot[8])
     masses = masses_at(y, p)
-    displaced = displaced_water(y, rot[6], rot[7], rot[8], p)
     sink = rot[6] * y[U] + rot[7] * y[V] + rot[8] * y[W]
     bed = bed_force(y[Z], sink, p)
-    momentum = times6(p.added, nu_r[0], nu_r[1], nu_r[2], nu_r[3], nu_r[4], nu_r[5])
-    a_c = water_acceleration(y, flow)
 
     by_water = water_forces(y, nu_r, flow, displaced, p)
     still = still_forces(rot, masses, displaced, bed, p)
+    momentum = times6(p.added, nu_r[0], nu_r[1], nu_r[2], nu_r[3], nu_r[4], nu_r[5])
     coriolis = coriolis_forces(y, nu_r, masses, momentum, p)
+    a_c = water_acceleration(y, flow)
     carried = times6(p.added, a_c[0], a_c[1], a_c[2], 0.0, 0.0, 0.0)
     nu_dot = solve_block(
         p.space[0].mass, masses, p.added,

@@ -74,8 +74,8 @@ def masses_at(y, p):
 
 
 @internal
-def displaced_water(y, kx, ky, kz, p):
-    """Return B, B_x, B_y, B_z and the potential energy of all buoyancy (J), each part at its own depth."""
+def solids_in_water(y, kx, ky, kz, p):
+    """Return B, B_x, B_y, B_z and the potential energy (J) of the buoyancy of parts that do not move."""
     mass, mx, my, mz, potential = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(p.solids.shape[0]):
         row = p.solids[i]
@@ -87,57 +87,79 @@ def displaced_water(y, kx, ky, kz, p):
         my += share * row[2]
         mz += share * row[3]
         potential += row[0] * (head - 0.5 * squeezed * max(head, 0.0))
-    for i in range(p.parts.shape[0]):
-        m = p.members[i]
-        e = y[EXTENSIONS + i]
-        volume, _slope, bx, by, bz, _moves = cell_at(e, e - p.parts[i].neutral, i, p)
-        density, head = felt_by_part(y[Z] + kx * bx + ky * by + kz * bz, m.half_height, p)
-        squeezed = max(head, 0.0) * m.per_bulk
-        share = density * volume * (1.0 - squeezed)
-        mass += share
-        mx += share * bx
-        my += share * by
-        mz += share * bz
-        potential += volume * (head - 0.5 * squeezed * max(head, 0.0))
     return mass, mx, my, mz, potential
 
 
 @internal
-def work_per_extension(y, i, kx, ky, kz, p):
-    """Return the force that part i's actuator works against, the part of it that costs energy, and the kinetic part.
+def cell_in_water(e, depth, i, kx, ky, kz, p):
+    """Return what cell i displaces (kg), where (x, y, z), its potential energy (J), and two forces by its extension.
 
-    The first two are dU/de: of a cell the second is head times dV/de alone, of a mass its weight. The third is
-    nu^T dM_RB/de nu / 2. N, or N m of a part that rolls.
+    The forces are dU/de, and the part of it that costs energy, head times dV/de (N).
     """
-    part, m = p.parts[i], p.members[i]
-    e = y[EXTENSIONS + i]
-    travel = e - part.neutral
-    volume, slope, bx, by, bz, moves = cell_at(e, travel, i, p)
-    density, head = felt_by_part(y[Z] + kx * bx + ky * by + kz * bz, m.half_height, p)
+    m = p.members[i]
+    volume, slope, bx, by, bz, moves = cell_at(e, e - p.parts[i].neutral, i, p)
+    density, head = felt_by_part(depth + kx * bx + ky * by + kz * bz, m.half_height, p)
     pressed = max(head, 0.0)
     squeezed = pressed * m.per_bulk
+    share = density * volume * (1.0 - squeezed)
+    per_volume = head - 0.5 * squeezed * pressed
     along = kx * m.axis_x + ky * m.axis_y + kz * m.axis_z
-    potential = slope * (head - 0.5 * squeezed * pressed)
-    potential += volume * density * (1.0 - squeezed) * p.space[0].gravity * moves * along
-    billed = slope * pressed * (1.0 - squeezed)
-    kinetic = 0.0
-    if m.moving_mass > 0.0:
-        cx, cy, cz, ax, ay, az, c, s = moving_mass_at(travel, i, p)
-        weight = -m.moving_mass * p.space[0].gravity * (kx * ax + ky * ay + kz * az)
-        potential += weight
-        billed += weight
-        wx, wy, wz = y[P], y[Q], y[R]
-        vx, vy, vz = cross(wx, wy, wz, cx, cy, cz)
-        tx, ty, tz = cross(wx, wy, wz, ax, ay, az)
-        kinetic = m.moving_mass * ((y[U] + vx) * tx + (y[V] + vy) * ty + (y[W] + vz) * tz)
-        if m.rolls != 0.0:
-            hx, hy, hz = times_symmetric(
-                own_inertia(i, 0, c, s, p), own_inertia(i, 1, c, s, p), own_inertia(i, 2, c, s, p),
-                own_inertia(i, 3, c, s, p), own_inertia(i, 4, c, s, p), own_inertia(i, 5, c, s, p), wx, wy, wz,
-            )  # fmt: skip
-            gx, gy, gz = cross(m.axis_x, m.axis_y, m.axis_z, hx, hy, hz)
-            kinetic += wx * gx + wy * gy + wz * gz
-    return potential, billed, kinetic
+    force = slope * per_volume + share * p.space[0].gravity * moves * along
+    return share, bx, by, bz, volume * per_volume, force, slope * pressed * (1.0 - squeezed)
+
+
+@internal
+def displaced_water(y, kx, ky, kz, p):
+    """Return B, B_x, B_y, B_z and the potential energy of all buoyancy (J), each part at its own depth."""
+    mass, mx, my, mz, potential = solids_in_water(y, kx, ky, kz, p)
+    for i in range(p.parts.shape[0]):
+        cell = cell_in_water(y[EXTENSIONS + i], y[Z], i, kx, ky, kz, p)
+        mass += cell[0]
+        mx += cell[0] * cell[1]
+        my += cell[0] * cell[2]
+        mz += cell[0] * cell[3]
+        potential += cell[4]
+    return mass, mx, my, mz, potential
+
+
+@internal
+def work_of_mass(y, i, kx, ky, kz, p):
+    """Return dU/de of part i's weight, and nu^T dM_RB/de nu / 2, N or N m."""
+    m = p.members[i]
+    cx, cy, cz, ax, ay, az, c, s = moving_mass_at(y[EXTENSIONS + i] - p.parts[i].neutral, i, p)
+    weight = -m.moving_mass * p.space[0].gravity * (kx * ax + ky * ay + kz * az)
+    wx, wy, wz = y[P], y[Q], y[R]
+    vx, vy, vz = cross(wx, wy, wz, cx, cy, cz)
+    tx, ty, tz = cross(wx, wy, wz, ax, ay, az)
+    kinetic = m.moving_mass * ((y[U] + vx) * tx + (y[V] + vy) * ty + (y[W] + vz) * tz)
+    if m.rolls != 0.0:
+        hx, hy, hz = times_symmetric(
+            own_inertia(i, 0, c, s, p), own_inertia(i, 1, c, s, p), own_inertia(i, 2, c, s, p),
+            own_inertia(i, 3, c, s, p), own_inertia(i, 4, c, s, p), own_inertia(i, 5, c, s, p), wx, wy, wz,
+        )  # fmt: skip
+        gx, gy, gz = cross(m.axis_x, m.axis_y, m.axis_z, hx, hy, hz)
+        kinetic += wx * gx + wy * gy + wz * gz
+    return weight, kinetic
+
+
+@internal
+def work_of_part(y, i, cell, kx, ky, kz, p):
+    """Return the force that part i's actuator works against, the part of it that costs energy, and the kinetic part.
+
+    The first two are dU/de: of a cell (`cell_in_water`) the second is head times dV/de alone, of a mass its weight. The
+    third is nu^T dM_RB/de nu / 2. N, or N m of a part that rolls.
+    """
+    force, billed = cell[5], cell[6]
+    if p.members[i].moving_mass > 0.0:
+        weight, kinetic = work_of_mass(y, i, kx, ky, kz, p)
+        return force + weight, billed + weight, kinetic
+    return force, billed, 0.0
+
+
+@internal
+def work_per_extension(y, i, kx, ky, kz, p):
+    """Return what `work_of_part` does, of a part taken alone."""
+    return work_of_part(y, i, cell_in_water(y[EXTENSIONS + i], y[Z], i, kx, ky, kz, p), kx, ky, kz, p)
 
 
 @internal
@@ -149,15 +171,26 @@ def energy_taken(work, i, p):
 
 @internal
 def move_members(t, y, p, drive, dy, kx, ky, kz):
-    """Write the rates of extensions and of energy spent into `dy`; return the power of the actuators, W."""
+    """Write the rates of extensions and of energy spent into `dy`; return what `displaced_water` does, and the power.
+
+    One pass over the parts: `displaced_water` and `work_per_extension` would both work out where each cell floats.
+    """
+    mass, mx, my, mz, potential = solids_in_water(y, kx, ky, kz, p)
     power = 0.0
     n = p.parts.shape[0]
     for i in range(n):
-        rate = extension_rate(t, y[EXTENSIONS + i], p.parts[i], drive[i])
+        e = y[EXTENSIONS + i]
+        cell = cell_in_water(e, y[Z], i, kx, ky, kz, p)
+        mass += cell[0]
+        mx += cell[0] * cell[1]
+        my += cell[0] * cell[2]
+        mz += cell[0] * cell[3]
+        potential += cell[4]
+        rate = extension_rate(t, e, p.parts[i], drive[i])
         dy[EXTENSIONS + i] = rate
         dy[EXTENSIONS + n + i] = 0.0
         if rate != 0.0:
-            potential, billed, kinetic = work_per_extension(y, i, kx, ky, kz, p)
-            power += rate * (potential + kinetic)
+            force, billed, kinetic = work_of_part(y, i, cell, kx, ky, kz, p)
+            power += rate * (force + kinetic)
             dy[EXTENSIONS + n + i] = energy_taken(rate * billed, i, p)
-    return power
+    return (mass, mx, my, mz, potential), power

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from models.kernel import tableau
-from models.kernel.jit import compiled, inlined
+from models.kernel.jit import compiled, inlined, internal
 from models.kernel.model import derivative
 
 A = tableau.A
@@ -22,20 +22,14 @@ def rk4_step(t, h, y, p, work):
     """Advance by the classical Runge-Kutta method; k[0] holds the slope at (t, y), k[4] takes that at the end."""
     n = y.shape[0]
     k, y1 = work.k, work.y1
-    half = 0.5 * h
-    for j in range(n):
-        y1[j] = y[j] + half * k[0, j]
-    derivative(t + half, y1, p, work.drive, k[1])
-    for j in range(n):
-        y1[j] = y[j] + half * k[1, j]
-    derivative(t + half, y1, p, work.drive, k[2])
-    for j in range(n):
-        y1[j] = y[j] + h * k[2, j]
-    derivative(t + h, y1, p, work.drive, k[3])
-    sixth = h / 6.0
-    for j in range(n):
-        y1[j] = y[j] + sixth * (k[0, j] + 2.0 * (k[1, j] + k[2, j]) + k[3, j])
-    derivative(t + h, y1, p, work.drive, k[4])
+    half, sixth = 0.5 * h, h / 6.0
+    for m in range(4):  # a loop: every place that calls the derivative holds a copy of its machine code
+        for j in range(n):
+            if m < 3:
+                y1[j] = y[j] + (half if m < 2 else h) * k[m, j]
+            else:
+                y1[j] = y[j] + sixth * (k[0, j] + 2.0 * (k[1, j] + k[2, j]) + k[3, j])
+        derivative(t + (half if m < 2 else h), y1, p, work.drive, k[m + 1])
 
 
 @inlined
@@ -88,7 +82,7 @@ def make_dense(pair, h, y, work):
             dense[3, j] = 0.0
 
 
-@inlined
+@internal
 def interpolate_one(s, y, dense, j):
     """Return state j at the fraction s of the step."""
     return y[j] + s * (dense[0, j] + s * (dense[1, j] + s * (dense[2, j] + s * dense[3, j])))

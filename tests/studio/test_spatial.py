@@ -12,7 +12,7 @@ import pytest
 from models.presets import load_preset
 from models.run import Run
 from models.simulate import simulate
-from studio.attitude import attitude_at, attitudes, continuous, quaternion_from_rpy_radians, rotate
+from studio.attitude import attitude_at, attitude_of, attitudes, continuous, rotate
 from studio.curves import MAX_POINTS, SHOWN, run_document
 from studio.session import Session
 from studio.state import state_json, state_of
@@ -48,14 +48,14 @@ def test_attitudes_are_yaw_then_pitch_then_roll(roll: float, pitch: float, yaw: 
     cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (math.cos, math.sin))
     R = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]]) @ [[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]]
     R = R @ [[1, 0, 0], [0, cr, -sr], [0, sr, cr]]
-    turned = rotate(np.eye(3), quaternion_from_rpy_radians(roll, pitch, yaw))
+    turned = rotate(np.eye(3), attitude_of(roll, pitch, yaw))
     assert turned == pytest.approx(R.T, abs=1e-12)  # a row for each body axis
 
 
 def test_the_attitude_is_that_of_the_angles(run: Run) -> None:
     for k in (0, 500, -1):
         angles = (float(run.values[name][k]) for name in ("phi", "theta", "psi"))
-        expected = np.array(quaternion_from_rpy_radians(*angles))
+        expected = np.array(attitude_of(*angles))
         shown = np.array(attitude_at(run, float(run.times[k])))
         assert abs(shown @ expected) == pytest.approx(1.0, abs=1e-9)  # q and -q are one attitude
 

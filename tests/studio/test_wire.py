@@ -13,7 +13,7 @@ import pytest
 
 from models.presets import load_preset
 from models.simulate import simulate
-from studio.attitude import quaternion_from_rpy_radians, rotate
+from studio.attitude import attitude_of, rotate
 from studio.grid import segments
 from studio.water import path_points
 from tests.studio.conftest import Studio, wait_until
@@ -165,9 +165,9 @@ def test_nodes_have_the_physics_own_axes(studio: Studio) -> None:
 def test_positive_pitch_raises_the_nose_and_positive_roll_lowers_starboard() -> None:
     nose, starboard = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1.0, 0.0]])
     # z points down: above is negative
-    pitch = quaternion_from_rpy_radians(0.0, 0.3, 0.0)
+    pitch = attitude_of(0.0, 0.3, 0.0)
     assert rotate(nose, pitch)[0] == pytest.approx((math.cos(0.3), 0.0, -math.sin(0.3)), abs=1e-12)
-    roll, yaw = (quaternion_from_rpy_radians(0.3, 0.0, 0.0), quaternion_from_rpy_radians(0.0, 0.0, 0.3))
+    roll, yaw = (attitude_of(0.3, 0.0, 0.0), attitude_of(0.0, 0.0, 0.3))
     assert rotate(starboard, roll)[0] == pytest.approx((0.0, math.cos(0.3), math.sin(0.3)), abs=1e-12)
     assert rotate(nose, yaw)[0] == pytest.approx((math.cos(0.3), math.sin(0.3), 0.0), abs=1e-12)
 
@@ -202,6 +202,6 @@ def test_the_server_can_move_the_glider_itself(studio: Studio) -> None:
     assert position == pytest.approx((-float(at["x"]), 0.0, -float(at["z"])), abs=1e-9)
     attitude = moved["SetOrientationMessage /glider"]["wxyz"]
     # between two samples the attitude is linear and made of length 1: second order in a twentieth of a second
-    expected = quaternion_from_rpy_radians(0.0, float(at["theta"]), 0.0)
+    expected = attitude_of(0.0, float(at["theta"]), 0.0)
     assert attitude == pytest.approx(expected, abs=1e-6)
     assert moved["SceneNodeUpdateMessage /glider/cell1/stack"]["updates"]["scale"][0] != 1.0
