@@ -28,7 +28,7 @@ typedef struct {
 
 typedef struct {
   double axis_x, axis_y, axis_z, moving_mass, base_x, base_y, base_z, perp_x, perp_y, perp_z, cross_x, cross_y, cross_z;
-  double x, y, z, per_bulk, half_height, per_efficiency, recovery, rolls;
+  double x, y, z, per_bulk, half_height, per_efficiency, recovery, moves, rolls;
 } Member;
 
 typedef struct {

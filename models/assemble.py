@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.assemble_spatial import added_mass, damping_matrix, spatial_records
+from models.added_mass import added_mass, damping_matrix
+from models.assemble_spatial import spatial_records
 from models.attitude import quaternion_from_rpy_radians, rotation_of
 from models.checks import check_design
 from models.components import Actuated, MovableMass, RollingMass

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from models.added_mass import added_mass, damping_matrix
 from models.components import Actuated, MovableMass, Rigid, RollingMass
 from models.design import DeclaredMass, Design
 from models.hydrodynamic_grid import build_grid_law
@@ -18,11 +19,11 @@ from models.kernel import params, spatial_layout
 from models.kernel.spatial_layout import COEFFICIENT_NAMES, LATERAL_NAMES, MEMBER, SPACE
 from models.mass_properties import component_center_of_mass, inertia_matrix, mass_balance, point_inertia, rotation_about
 from models.volumes import unit_axis, volume
-from models.water import current_table, gravity_of, surface_density, water_table
+from models.water import current_table, gravity_of, water_table
 
 Array = NDArray[np.float64]
 BED_FREQUENCY = 5.0
-"""How fast the glider would swing on the bed's spring, rad/s: its net weight sinks it a fraction of a millimetre in."""
+"""How fast the glider would swing on the bed's spring, rad/s; it sinks in by its net weight over 25 (m + A33)."""
 REARM = 4.0
 """The surface counts as left at this many times the depth at which the glider begins to emerge."""
 SHORTEST_REARM = 0.2
@@ -52,27 +53,17 @@ def spatial_records(design: Design, parts: list[Actuated]) -> dict[str, Any]:
     }
 
 
-def added_mass(design: Design) -> Array:
-    """Return the added mass (6, 6) at the density of the surface; zeros where it is off."""
-    added = design.vehicle.added_mass
-    if added is None or not added.enabled:
-        return np.zeros((6, 6))
-    return np.array(added.matrix) * (surface_density(design.mission.environment.water) / added.density)
-
-
-def damping_matrix(design: Design) -> Array:
-    """Return the linear damping (6, 6)."""
-    d = design.vehicle.damping
-    diagonal = np.diag([d.surge, d.sway, d.heave, d.roll, d.pitch, d.yaw])
-    return diagonal if d.matrix is None else diagonal + np.array(d.matrix)
-
-
 def fading_height(component: Any) -> float:
-    """Return the vertical extent over which a component's buoyancy fades: its own, or that of a sphere, m."""
+    """Return the vertical extent over which a component's buoyancy fades, m: its own, or that of a sphere.
+
+    The sphere has the component's volume at neutral extension, or, where it displaces nothing then, at its larger stop.
+    """
     if component.height is not None:
         return float(component.height)
-    neutral = 0.0 if isinstance(component, Rigid) else component.neutral
-    return float((6.0 * volume(component, neutral) / math.pi) ** (1.0 / 3.0))
+    displaced = volume(component, 0.0 if isinstance(component, Rigid) else component.neutral)
+    if displaced <= 0.0 and not isinstance(component, Rigid):
+        displaced = max(volume(component, stop) for stop in component.stroke)
+    return float((6.0 * displaced / math.pi) ** (1.0 / 3.0))
 
 
 def emerging_depth(design: Design) -> float:
@@ -212,7 +203,7 @@ def _members(design: Design, parts: list[Actuated]) -> NDArray[np.void]:
         record["x"], record["y"], record["z"] = part.position
         record["per_efficiency"], record["recovery"] = 1.0 / part.efficiency, part.recovery
         if isinstance(part, MovableMass | RollingMass):
-            record["moving_mass"] = 0.0 if declared else part.mass
+            record["moving_mass"], record["moves"] = (0.0, 0.0) if declared else (part.mass, 1.0)
             _place_mass(record, part, axis)
         else:
             record["per_bulk"] = 0.0 if part.bulk_modulus is None else 1.0 / part.bulk_modulus

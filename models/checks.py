@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from models.added_mass import added_mass
 from models.components import Actuated, extension_unit
 from models.design import Design
 from models.hydrodynamic_law import HydrodynamicLaw, law_of
@@ -15,7 +16,7 @@ from models.hydrodynamic_sources import Hydrodynamics
 from models.hydrodynamics import PolarTable
 from models.hydrodynamics_angles import AngleTable
 from models.limits import Limits
-from models.mass_properties import MassBalance, initial_extensions, mass_balance
+from models.mass_properties import MassBalance, initial_extensions, mass_balance, smallest_moment
 from models.model_checks import model_problems
 from models.problems import DesignError, Problem, pointer_to
 from models.water import gravity_of, water_table
@@ -57,11 +58,15 @@ def _limit_problems(design: Design, limits: Limits) -> Iterator[Problem]:
     fixed, per_cell = COLUMNS[solver.model]
     columns = fixed + per_cell * len(vehicle.actuated)
     rows, where = table_rows(vehicle.hydrodynamics)
+    levels = len(getattr(mission.environment.water, "depths", ()))
+    values = sum(len(profile) for profile in getattr(mission.environment.current, "north", ()))
     most = min(limits.samples, limits.numbers // columns)
     counts = [
         ("/vehicle/components", "components", len(vehicle.components), limits.components, "remove some"),
         ("/mission/control/schedules", "schedule points", points, limits.schedule_points, "use fewer points"),
         (f"/vehicle/hydrodynamics/{where}", "table rows", rows, limits.table_rows, "thin the table"),
+        ("/mission/environment/water/depths", "levels of the water", levels, limits.table_rows, "thin the profile"),
+        ("/mission/environment/current/depths", "values of the current", values, limits.table_rows, "thin the table"),
         ("/mission/duration", "seconds", mission.duration, limits.duration, "shorten the mission"),
         (
             "/mission/solver/output_interval", "samples of the result",
@@ -162,6 +167,7 @@ def _mass_problems(design: Design) -> Iterator[Problem]:
     vehicle = design.vehicle
     problems = list(_added_mass_problems(design))
     yield from problems
+    yield from _component_inertia_problems(design)
     balance = mass_balance(vehicle, initial_extensions(design))
     if balance.mass <= 0.0:
         yield Problem("/vehicle/components", "the components weigh nothing", limit=0.0, hint="give one a mass")
@@ -175,8 +181,7 @@ def _mass_problems(design: Design) -> Iterator[Problem]:
             pointer, f"the inertia about the centre of mass has a negative principal moment, {smallest:.4g} kg m2",
             limit=0.0, hint="check the products of inertia",
         )  # fmt: skip
-    added = vehicle.added_mass
-    A = np.array(added.matrix) if added is not None and added.enabled else np.zeros((6, 6))
+    A = added_mass(design)
     turning = turning_inertia(balance, A)
     axes = "xyz" if design.mission.solver.model == "spatial" else "y"
     if axes == "y":
@@ -188,6 +193,20 @@ def _mass_problems(design: Design) -> Iterator[Problem]:
             pointer, f"the moment of inertia in {axis} is {moments[0]:.4g} kg m2: the equations are singular",
             limit=0.0, hint="give the components inertia, or put them apart",
         )  # fmt: skip
+
+
+def _component_inertia_problems(design: Design) -> Iterator[Problem]:
+    """Yield components whose own inertia no body has: one that rolls would carry it into every attitude."""
+    if design.mission.solver.model == "planar" or design.vehicle.mass_properties.kind == "declared":
+        return
+    for i, component in enumerate(design.vehicle.components):
+        smallest = smallest_moment(component.inertia)
+        if smallest < 0.0:
+            yield Problem(
+                pointer_to("vehicle", "components", i, "inertia"),
+                f"the inertia of '{component.name}' has a negative principal moment, {smallest:.4g} kg m2",
+                limit=0.0, hint="check the products of inertia",
+            )  # fmt: skip
 
 
 def turning_inertia(balance: MassBalance, A: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -8,9 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from models.added_mass import damping_matrix
 from models.design import Design
 from models.hydrodynamics import PolarTable
-from models.mass_properties import MassBalance, inertia_matrix, mass_balance
+from models.hydrodynamics_coefficients import CoefficientForm
+from models.mass_properties import MassBalance, inertia_matrix, mass_balance, smallest_moment
 from models.problems import Problem, pointer_to
 from models.water import gravity_of, surface_density, unstable_layers
 
@@ -23,6 +25,7 @@ def warnings_for(design: Design) -> Iterator[Problem]:
     yield from _inertias(design, balance)
     yield from _water(design)
     yield from _sideways(design)
+    yield from _damping(design)
     yield from _late_points(design)
 
 
@@ -69,16 +72,14 @@ def _inertias(design: Design, balance: MassBalance) -> Iterator[Problem]:
         yield from _triangle(balance.inertia, "/vehicle/mass_properties/inertia", "the vehicle", design)
         return
     for i, component in enumerate(design.vehicle.components):
-        matrix = inertia_matrix(component.inertia)
-        pointer = pointer_to("vehicle", "components", i, "inertia")
-        smallest = float(np.linalg.eigvalsh(matrix)[0])
-        if smallest < -1e-9 * max(float(np.abs(matrix).max()), 1e-12):
+        pointer, smallest = pointer_to("vehicle", "components", i, "inertia"), smallest_moment(component.inertia)
+        if smallest < 0.0:
             yield Problem(
                 pointer, f"the inertia of '{component.name}' has a negative principal moment, {smallest:.4g} kg m2",
                 limit=0.0, hint="check the products of inertia",
             )  # fmt: skip
         else:
-            yield from _triangle(matrix, pointer, f"'{component.name}'", design)
+            yield from _triangle(inertia_matrix(component.inertia), pointer, f"'{component.name}'", design)
 
 
 def _triangle(inertia: NDArray[np.float64], pointer: str, whose: str, design: Design) -> Iterator[Problem]:
@@ -111,10 +112,28 @@ def _sideways(design: Design) -> Iterator[Problem]:
     if design.mission.solver.model == "planar":
         if any(abs(c.position[1]) > 0.0 for c in vehicle.components):
             yield Problem("/mission/solver/model", "the planar model ignores offsets to port and starboard")
-    elif isinstance(vehicle.hydrodynamics, PolarTable) and vehicle.hydrodynamics.lateral is None:
+        return
+    source = vehicle.hydrodynamics
+    if isinstance(source, PolarTable) and source.lateral is None:
+        pointer, hint = "/vehicle/hydrodynamics/lateral", "state lateral coefficients, or use the planar model"
+    elif isinstance(source, CoefficientForm) and source.side_sideslip == 0.0 and source.yaw_sideslip == 0.0:
+        pointer, hint = "/vehicle/hydrodynamics/yaw_sideslip", "state K_beta and K_MY, or use the planar model"
+    else:
+        return
+    yield Problem(
+        pointer, "there is no side force or yaw moment data: nothing holds the glider against sideslip", hint=hint
+    )
+
+
+def _damping(design: Design) -> Iterator[Problem]:
+    """Yield a warning where linear damping would feed the motion instead of damping it."""
+    D = damping_matrix(design)
+    smallest = float(np.linalg.eigvalsh(0.5 * (D + D.T))[0])
+    if smallest < -1e-9 * float(np.abs(D).max()):
         yield Problem(
-            "/vehicle/hydrodynamics/lateral", "there is no side force or yaw moment data: nothing holds the glider "
-            "against sideslip", hint="state lateral coefficients, or use the planar model",
+            "/vehicle/damping/matrix",
+            f"the damping feeds some motion with energy: its symmetric part has the eigenvalue {smallest:.4g}",
+            limit=0.0, hint="check the signs: forces are minus the matrix times the velocity",
         )  # fmt: skip
 
 

@@ -68,6 +68,13 @@ def inertia_matrix(inertia: Inertia) -> Array:
     )
 
 
+def smallest_moment(inertia: Inertia) -> float:
+    """Return the smallest principal moment, kg m2; 0 where only rounding makes it negative."""
+    matrix = inertia_matrix(inertia)
+    smallest = float(np.linalg.eigvalsh(matrix)[0])
+    return min(smallest, 0.0) if abs(smallest) > 1e-9 * max(float(np.abs(matrix).max()), 1e-12) else 0.0
+
+
 def initial_extensions(design: Design) -> dict[str, float]:
     """Return the extension of every moving component at time zero, before any command, m."""
     given = design.mission.initial.extensions

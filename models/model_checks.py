@@ -41,7 +41,7 @@ def _not_still_water(design: Design) -> Iterator[Problem]:
     environment = design.mission.environment
     asked = (
         ("water/kind", environment.water.kind != "uniform", "water that changes with depth", "take uniform water"),
-        ("current", environment.current is not None, "a current", "set it to null"),
+        ("current", environment.current is not None, "current", "set it to null"),
         ("surface", environment.surface != "end", "floating at the surface", "let the surface end the run"),
         ("bed_contact", environment.bed_contact != "end", "sliding on the bed", "let the bed end the run"),
     )

@@ -123,7 +123,7 @@ class Run:
         if self.status not in (Status.diverged, Status.step_too_small, Status.too_many_steps):
             return str(self.status.value)
         last = self.final
-        blame = "" if self.trouble is None else f"; {self.trouble} went wrong first"
+        blame = "" if self.trouble is None else f", with {self.trouble} changing fastest"
         return (
             f"{self.status.value} It stopped at t = {last['t']:.6g} s, at z = {last['z']:.4g} m and "
             f"{last['speed']:.4g} m/s{blame}; what was computed is kept."
@@ -236,13 +236,14 @@ class Run:
         lines += [",".join(map(repr, row)) for row in np.column_stack(columns).tolist()]  # repr loses no digit
         content = "\n".join(lines) + "\n"
         if path is not None:
-            path.write_text(content)
+            path.write_text(content, encoding="utf-8")
         return content
 
     @staticmethod
     def read_csv(path: Path) -> xr.Dataset:
         """Read what `to_csv` wrote, on the axes of `data`; raises `ValueError` where the file is not one."""
-        rows = list(csv.reader(path.read_text().splitlines()))
+        with path.open(encoding="utf-8", newline="") as lines:
+            rows = list(csv.reader(lines))
         if not rows or rows[0][:1] != ["t [s]"]:
             raise ValueError(f"{path} is not a run of the glider studio: its first column is not 't [s]'")
         table = np.array(rows[1:], dtype=np.float64).reshape(-1, len(rows[0]))

@@ -10,13 +10,17 @@ from numpy.typing import NDArray
 from models.hydrodynamics import PolarTable
 from models.hydrodynamics_angles import AngleTable
 from models.hydrodynamics_coefficients import CoefficientForm
-from models.problems import Problem
+from models.problems import Problem, pointer_to
 from models.run import Run
 from models.water import profile_range
 
 POINTER = "/vehicle/hydrodynamics"
 SLOWEST = 1e-3
 """Below this speed (m/s) the direction of the flow means nothing."""
+MOST_SIDESLIP = np.deg2rad(30.0)
+"""Sideslip beyond which a table measured without any says little, rad."""
+MOST_SQUEEZED = 0.1
+"""Share of its volume beyond which a part's constant stiffness says little."""
 LARGEST_RESIDUAL = 1e-3
 """Share of the energy exchanged above which a run is not to be trusted."""
 
@@ -25,6 +29,7 @@ def run_warnings(run: Run) -> Iterator[Problem]:
     """Yield everything about a run that its reader should know, each with the number that shows it."""
     yield from inaccurate(run)
     yield from outside_data(run)
+    yield from squeezed_too_far(run)
 
 
 def inaccurate(run: Run) -> Iterator[Problem]:
@@ -45,6 +50,7 @@ def outside_data(run: Run) -> Iterator[Problem]:
     match run.design.vehicle.hydrodynamics:
         case PolarTable() as source:
             yield from _outside_polar(run, source)
+            yield from sideways_in_table(run, source)
         case AngleTable() as source:
             yield from _outside_angles(run, source)
         case CoefficientForm() as source:
@@ -111,22 +117,62 @@ def _outside_angle(run: Run, name: str, field: str, bounds: tuple[float, float],
 
 def _outside_water(run: Run) -> Iterator[Problem]:
     environment, z = run.design.mission.environment, run.values["z"]
-    tables = (
-        ("water", "water", profile_range(environment.water)),
-        ("current", "current", getattr(environment.current, "depths", None)),
-    )
-    for field, what, depths in tables:
+    current = environment.current
+    for field, depths in (("water", profile_range(environment.water)), ("current", getattr(current, "depths", None))):
         if depths is None:
             continue
-        below = z > depths[-1]
-        if below.any():
+        for off, where, bound in (
+            (z < depths[0], f"above the first level of the {field} at {depths[0]:g} m", depths[0]),
+            (
+                z > depths[-1] + 1e-6,
+                f"below the deepest level of the {field} at {depths[-1]:g} m (down to {z.max():.4g} m)", depths[-1],
+            ),
+        ):  # fmt: skip
+            if off.any():
+                pointer = f"/mission/environment/{field}/depths"
+                yield Problem(pointer, f"{_share(off)} of the run is {where}: its values are held there", limit=bound)
+    times = getattr(current, "times", (0.0,))
+    late = (run.times < times[0]) | (run.times > times[-1])
+    if len(times) > 1 and late.any():
+        yield Problem(
+            "/mission/environment/current/times",
+            f"{_share(late)} of the run is outside the times of the current, {times[0]:g} to {times[-1]:g} s: "
+            "it is held there",
+            limit=times[-1],
+        )
+
+
+def squeezed_too_far(run: Run) -> Iterator[Problem]:
+    """Yield a warning where pressure leaves the range in which a stiffness describes compression."""
+    if run.model != "spatial":
+        return
+    deepest = float(run.values["pressure"].max())
+    for i, component in enumerate(run.design.vehicle.components):
+        stiffness = getattr(component, "bulk_modulus", None)
+        if stiffness is not None and deepest > MOST_SQUEEZED * stiffness:
             yield Problem(
-                f"/mission/environment/{field}/depths",
-                f"{_share(below)} of the run is below the deepest level of the {what} at {depths[-1]:g} m (down to "
-                f"{z.max():.4g} m): its values are held there",
-                limit=depths[-1],
-            )
+                pointer_to("vehicle", "components", i, "bulk_modulus"),
+                f"pressure takes {min(100.0 * deepest / stiffness, 100.0):.0f} % of the volume of '{component.name}': "
+                "a constant stiffness is meant for a few",
+                limit=MOST_SQUEEZED, hint="give a larger one, or stay shallower",
+            )  # fmt: skip
+
+
+def sideways_in_table(run: Run, table: PolarTable) -> Iterator[Problem]:
+    """Yield a warning where a table measured without sideslip is used across the flow."""
+    if run.model != "spatial":
+        return
+    off = (run.values["speed"] > SLOWEST) & (np.abs(run.values["beta"]) > MOST_SIDESLIP)
+    if off.any():
+        worst = np.rad2deg(np.abs(run.values["beta"][off]).max())
+        yield Problem(
+            f"{POINTER}/lateral",
+            f"{_share(off)} of the run has more than {np.rad2deg(MOST_SIDESLIP):.0f} deg of sideslip (up to "
+            f"{worst:.0f} deg), for which the table was not measured",
+            limit=30.0,
+        )
 
 
 def _share(flags: NDArray[np.bool_]) -> str:
-    return f"{100.0 * float(np.mean(flags)):.0f} %"
+    share = 100.0 * float(np.mean(flags))
+    return f"{share:.0f} %" if share >= 0.5 else "less than 1 %"

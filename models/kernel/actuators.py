@@ -1,7 +1,8 @@
 """Owns the parts that move: volumes, moments, the command, and how an extension follows it within one segment.
 
 A segment is a stretch of time in which every command is one straight line and every part follows one law, so that no
-step of the integrator straddles a corner. `drive` holds, for each part, [mode, rate, target, target_slope, start].
+step of the integrator straddles a corner. `drive` holds, for each part, [mode, rate, target, target_slope, start], and
+in its last row the profile of the current in force.
 """
 
 from __future__ import annotations
@@ -161,6 +162,7 @@ def begin_segment(t, y, p, drive):
 
     A part without rate limit and lag is put on its command here, so `y` may jump.
     """
+    drive[p.parts.shape[0], 0] = last_not_above(t + SAME_TIME * max(1.0, abs(t)), p.current_times)
     end = next_current_time(t, p)
     first = p.space[0].extensions
     for i in range(p.parts.shape[0]):

@@ -30,9 +30,15 @@ def event_due(y, y1, p, work):
         work.armed[0] = 1
     if z <= s.bed_depth - s.rearm_level:
         work.armed[1] = 1
-    return (work.armed[0] == 1 and distance_to(SURFACE, z, p) < 0.0 and distance_to(SURFACE, y[s.depth], p) >= 0.0) or (
-        work.armed[1] == 1 and distance_to(BED, z, p) < 0.0 and distance_to(BED, y[s.depth], p) >= 0.0
-    )
+    return met(SURFACE, y, y1, p, work) or met(BED, y, y1, p, work)
+
+
+@internal
+def met(kind, y, y1, p, work):
+    """Whether the body origin meets the surface, or the bed, between two states."""
+    z = p.space[0].depth
+    armed = work.armed[0 if kind == SURFACE else 1] == 1
+    return armed and distance_to(kind, y1[z], p) < 0.0 and distance_to(kind, y[z], p) >= 0.0
 
 
 @internal
@@ -45,7 +51,7 @@ def ends_run(kind, p):
 def find_event(pair, h, y, p, work):
     """Return the kind of the event within the step from y to `work.y1`, and at which fraction of it that happens."""
     z = p.space[0].depth
-    kind = SURFACE if work.armed[0] == 1 and distance_to(SURFACE, work.y1[z], p) < 0.0 else BED
+    kind = SURFACE if met(SURFACE, y, work.y1, p, work) else BED
     work.armed[0 if kind == SURFACE else 1] = 0
     make_dense(pair, h, y, work)
     low, high = 0.0, 1.0

@@ -58,12 +58,26 @@ def enter_segment(t, y, p, work, record):
 
 
 @internal
-def first_not_finite(y):
-    """Return the index of the first state that is not finite, or that `sincos` cannot take; -1 if all are well."""
-    for j in range(y.shape[0]):
-        if not math.isfinite(y[j]):
+def culprit(work, p):
+    """Return the velocity that changed fastest as the step began: what a run that diverges went wrong in."""
+    first, count = (7, 6) if p.space[0].spatial != 0 else (3, 3)
+    worst = first
+    for j in range(first, first + count):
+        change = abs(work.k[0, j])
+        if not math.isfinite(change):
             return j
-    return 2 if abs(y[2]) >= LARGEST else -1
+        if change > abs(work.k[0, worst]):
+            worst = j
+    return worst
+
+
+@internal
+def all_finite(y):
+    """Whether every state is finite, and none such that `sincos` cannot take it."""
+    total = 0.0
+    for j in range(y.shape[0]):
+        total += y[j] * 0.0
+    return total == 0.0 and abs(y[2]) < LARGEST
 
 
 @internal
@@ -118,7 +132,10 @@ def integrate(pair, duration, step, interval, max_steps, y, p, work, record):
                     counts[REJECTED] += 1
                     h = size * min(next_factor(error, previous), 0.9)
                     if h < SMALLEST_STEP * max(1.0, t):
-                        status = STEP_TOO_SMALL if math.isfinite(error) else DIVERGED
+                        status = STEP_TOO_SMALL
+                        if not math.isfinite(error):
+                            status = DIVERGED
+                            counts[WORST] = culprit(work, p)
                     elif counts[ACCEPTED] + counts[REJECTED] >= max_steps:
                         status = TOO_MANY_STEPS
                     continue
@@ -129,9 +146,8 @@ def integrate(pair, duration, step, interval, max_steps, y, p, work, record):
             else:
                 rk4_step(t, size, y, p, work)
                 counts[EVALUATIONS] += 4
-            wrong = first_not_finite(work.y1)
-            if wrong >= 0:
-                counts[WORST] = wrong
+            if not all_finite(work.y1):
+                counts[WORST] = culprit(work, p)
                 status = DIVERGED
                 continue
             taken += 1

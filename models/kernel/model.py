@@ -7,7 +7,7 @@ from models.kernel.planar import derivative as planar_derivative
 from models.kernel.planar import energies as planar_energies
 from models.kernel.spatial import attitude, normalise, spatial_derivative, spatial_energies
 from models.kernel.spatial_layout import EXTENSIONS
-from models.kernel.spatial_parts import energy_taken, work_per_extension
+from models.kernel.spatial_parts import energy_taken, work_of_jump
 
 
 @compiled
@@ -36,14 +36,12 @@ def settle(y, p):
 
 @compiled
 def bill_jump(before, y, p):
-    """Charge the battery for parts that jumped from the extensions of `before` to those of `y`, by the mean of both."""
+    """Charge the battery for parts that jumped from the extensions of `before` to those of `y`."""
     if p.space[0].spatial == 0:
         return
     rot = attitude(y)
     n = p.parts.shape[0]
     for i in range(n):
-        rise = y[EXTENSIONS + i] - before[EXTENSIONS + i]
-        if rise != 0.0:
-            _force, start, _kinetic = work_per_extension(before, i, rot[6], rot[7], rot[8], p)
-            _force, finish, _kinetic = work_per_extension(y, i, rot[6], rot[7], rot[8], p)
-            y[EXTENSIONS + n + i] += energy_taken(0.5 * rise * (start + finish), i, p)
+        if y[EXTENSIONS + i] != before[EXTENSIONS + i]:
+            work = work_of_jump(before, y, i, rot[6], rot[7], rot[8], p)
+            y[EXTENSIONS + n + i] += energy_taken(work, i, p)

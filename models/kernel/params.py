@@ -78,7 +78,7 @@ class Work(NamedTuple):
     y1: NDArray[np.float64]  # (n,) state after the step
     dense: NDArray[np.float64]  # (4, n) polynomial within the step
     held: NDArray[np.float64]  # (n,) a state kept for a moment
-    drive: NDArray[np.float64]  # (parts, 5) how each part moves in the present segment (actuators.py)
+    drive: NDArray[np.float64]  # (parts + 1, 5) how each part moves in the present segment (actuators.py)
     at_stop: NDArray[np.int64]  # (parts,) -1, 0, 1: lower stop, between, upper stop
     armed: NDArray[np.int64]  # (2,) whether the surface and the bed may be met anew; at rest there, only once
 
@@ -100,7 +100,7 @@ def make_work(states: int, parts: int) -> Work:
         y1=np.zeros(states),
         dense=np.zeros((4, states)),
         held=np.zeros(states),
-        drive=np.zeros((parts, 5)),
+        drive=np.zeros((parts + 1, 5)),
         at_stop=np.zeros(parts, dtype=np.int64),
         armed=np.ones(2, dtype=np.int64),
     )

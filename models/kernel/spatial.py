@@ -11,6 +11,7 @@ import math
 
 from models.kernel.jit import compiled, internal
 from models.kernel.planar import solve_symmetric
+from models.kernel.search import last_not_above
 from models.kernel.spatial_forces import source_forces
 from models.kernel.spatial_layout import (
     Q0,
@@ -90,9 +91,12 @@ def attitude(y):
 
 
 @internal
-def water_velocity(t, y, p, rot):
-    """Return the water's velocity in body axes, and what its change with depth and time does to it, in body axes."""
-    cx, cy, cx_z, cy_z, cx_t, cy_t = current_at(y[Z], t, p)
+def water_velocity(t, y, j, p, rot):
+    """Return the water's velocity in body axes, and what its change with depth and time does to it, in body axes.
+
+    `j` is the profile of the current in force (spatial_water.py).
+    """
+    cx, cy, cx_z, cy_z, cx_t, cy_t = current_at(y[Z], t, j, p)
     sink = rot[6] * y[U] + rot[7] * y[V] + rot[8] * y[W]
     return to_body(rot, cx, cy), to_body(rot, cx_z * sink, cy_z * sink), to_body(rot, cx_t, cy_t)
 
@@ -176,7 +180,7 @@ def coriolis_forces(y, nu_r, masses, momentum, p):
 def spatial_derivative(t, y, p, drive, dy):
     """Write dy/dt into `dy`: kinematics, accelerations, work rates, extension and battery rates."""
     rot = attitude(y)
-    flow = water_velocity(t, y, p, rot)
+    flow = water_velocity(t, y, int(drive[p.parts.shape[0], 0]), p, rot)
     nu_r = through_water(y, flow)
     displaced, power = move_members(t, y, p, drive, dy, rot[6], rot[7], rot[8])
     masses = masses_at(y, p)
@@ -245,7 +249,7 @@ def spatial_energies(t, y, p):
     s = p.space[0]
     u, v, w, wx, wy, wz = y[U], y[V], y[W], y[P], y[Q], y[R]
     rot = attitude(y)
-    (cx, cy, cz), _shear, _change = water_velocity(t, y, p, rot)
+    (cx, cy, cz), _shear, _change = water_velocity(t, y, last_not_above(t, p.current_times), p, rot)
     sx, sy, sz, xx, yy, zz, xy, xz, yz = masses_at(y, p)
     ox, oy, oz = cross(wx, wy, wz, sx, sy, sz)
     lx, ly, lz = times_symmetric(xx, yy, zz, xy, xz, yz, wx, wy, wz)

@@ -43,7 +43,7 @@ _MEMBER_REALS = (
     "axis_x", "axis_y", "axis_z",
     "moving_mass", "base_x", "base_y", "base_z",
     "perp_x", "perp_y", "perp_z", "cross_x", "cross_y", "cross_z",
-    "x", "y", "z", "per_bulk", "half_height", "per_efficiency", "recovery", "rolls",
+    "x", "y", "z", "per_bulk", "half_height", "per_efficiency", "recovery", "moves", "rolls",
 )  # fmt: skip
 MEMBER = np.dtype([(n, np.float64) for n in _MEMBER_REALS])
 """What the spatial model knows of an actuated part beyond `PART`: its mass moves along the axis from `base`, or, where

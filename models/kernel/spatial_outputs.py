@@ -7,11 +7,12 @@ import math
 from models.kernel.actuators import command
 from models.kernel.jit import compiled, internal
 from models.kernel.scalar import TINY, atan2
+from models.kernel.search import last_not_above
 from models.kernel.spatial import attitude, bed_force, normalise, spatial_energies, times6, water_velocity
 from models.kernel.spatial_forces import counted_twice, source_forces
-from models.kernel.spatial_layout import EXTENSIONS, WORK_ACTUATORS, WORK_BED, WORK_WATER, P, Q, R, U, V, W, Z
-from models.kernel.spatial_parts import cell_at, displaced_water, masses_at
-from models.kernel.spatial_water import current_at, density_and_pressure, felt_by_part
+from models.kernel.spatial_layout import WORK_ACTUATORS, WORK_BED, WORK_WATER, P, Q, R, U, V, W, Z
+from models.kernel.spatial_parts import displaced_water, masses_at, volume_under_pressure
+from models.kernel.spatial_water import current_at, density_and_pressure
 from models.kernel.vectors import cross
 
 FORCES = ("hydro", "damping", "weight", "buoyancy")
@@ -47,9 +48,10 @@ def write_motion(t, y, rot, row, p):
     x_dot = rot[0] * u + rot[1] * v + rot[2] * w
     y_dot = rot[3] * u + rot[4] * v + rot[5] * w
     z_dot = rot[6] * u + rot[7] * v + rot[8] * w
-    (cx, cy, cz), _shear, _change = water_velocity(t, y, p, rot)
+    j = last_not_above(t, p.current_times)
+    (cx, cy, cz), _shear, _change = water_velocity(t, y, j, p, rot)
     row[3], row[4], row[5] = x_dot, y_dot, z_dot
-    row[6], row[7], _x, _y, _xt, _yt = current_at(y[Z], t, p)
+    row[6], row[7], _x, _y, _xt, _yt = current_at(y[Z], t, j, p)
     level = math.hypot(x_dot - row[6], y_dot - row[7])
     turn_rate = rot[6] * y[P] + rot[7] * y[Q] + rot[8] * y[R]
     row[10] = math.atan2(z_dot, level)
@@ -107,12 +109,8 @@ def write_forces(t, y, rot, u, v, w, row, p):
 def write_parts(t, y, i, rot, commands, volumes, p):
     """Write the command of every part and the volume that it displaces under pressure."""
     for j in range(p.parts.shape[0]):
-        m = p.members[j]
-        e = y[EXTENSIONS + j]
-        volume, _slope, bx, by, bz, _moves = cell_at(e, e - p.parts[j].neutral, j, p)
-        _density, head = felt_by_part(y[Z] + rot[6] * bx + rot[7] * by + rot[8] * bz, m.half_height, p)
         commands[i, j] = command(p.parts[j], t, p)
-        volumes[i, j] = volume * (1.0 - max(head, 0.0) * m.per_bulk)
+        volumes[i, j] = volume_under_pressure(y, j, rot[6], rot[7], rot[8], p)
 
 
 @compiled

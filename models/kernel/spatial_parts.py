@@ -40,14 +40,19 @@ def own_inertia(i, j, c, s, p):
 
 @internal
 def cell_at(e, travel, i, p):
-    """Return V, dV/de, the centre of buoyancy, and how far along the axis that moves with the extension."""
-    part, m = p.parts[i], p.members[i]
+    """Return V, dV/de, and along the axis: the centre of buoyancy, the stack's first moment, and that one's slope.
+
+    The centre of a cell that is nearly empty runs away, its first moment does not: the centre stays within half the
+    travel, and only says in which water the cell is.
+    """
+    part = p.parts[i]
     volume, slope = volume_and_slope(part, e, p)
-    per_volume = 1.0 / volume if volume > 0.0 else 0.0
-    stack = (volume - part.core_volume) * per_volume
-    shift = 0.5 * part.grows * travel * stack
-    moves = 0.5 * part.grows * (stack + travel * slope * part.core_volume * per_volume * per_volume)
-    return volume, slope, m.x + shift * m.axis_x, m.y + shift * m.axis_y, m.z + shift * m.axis_z, moves
+    half = 0.5 * part.grows * travel
+    stack = volume - part.core_volume
+    moment = half * stack
+    reach = abs(half)
+    shift = min(max(moment / volume, -reach), reach) if volume > 0.0 else 0.0
+    return volume, slope, shift, moment, 0.5 * part.grows * stack + half * slope
 
 
 @internal
@@ -57,8 +62,8 @@ def masses_at(y, p):
     sx, sy, sz = b.mass_x, b.mass_y, b.mass_z
     xx, yy, zz, xy, xz, yz = b.ixx, b.iyy, b.izz, b.ixy, b.ixz, b.iyz
     for i in range(p.parts.shape[0]):
-        mass = p.members[i].moving_mass
-        if mass > 0.0:
+        if p.members[i].moves != 0.0:
+            mass = p.members[i].moving_mass
             travel = y[EXTENSIONS + i] - p.parts[i].neutral
             cx, cy, cz, _ax, _ay, _az, c, s = moving_mass_at(travel, i, p)
             sx += mass * cx
@@ -80,32 +85,49 @@ def solids_in_water(y, kx, ky, kz, p):
     for i in range(p.solids.shape[0]):
         row = p.solids[i]
         density, head = felt_by_part(y[Z] + kx * row[1] + ky * row[2] + kz * row[3], row[5], p)
-        squeezed = max(head, 0.0) * row[4]
-        share = density * row[0] * (1.0 - squeezed)
-        mass += share
-        mx += share * row[1]
-        my += share * row[2]
-        mz += share * row[3]
-        potential += row[0] * (head - 0.5 * squeezed * max(head, 0.0))
+        share, integral = squeezed_by(head, row[4])
+        held = density * row[0] * (1.0 - share)
+        mass += held
+        mx += held * row[1]
+        my += held * row[2]
+        mz += held * row[3]
+        potential += row[0] * integral
     return mass, mx, my, mz, potential
 
 
 @internal
+def squeezed_by(head, per_bulk):
+    """Return by which share compression takes a volume away, and the integral of what is left over the head (Pa).
+
+    The law ends where nothing is left.
+    """
+    pressed = max(head, 0.0)
+    if pressed * per_bulk >= 1.0:
+        return 1.0, 0.5 / per_bulk
+    share = pressed * per_bulk
+    return share, head - 0.5 * share * pressed
+
+
+@internal
 def cell_in_water(e, depth, i, kx, ky, kz, p):
-    """Return what cell i displaces (kg), where (x, y, z), its potential energy (J), and two forces by its extension.
+    """Return what cell i displaces (kg), its moment (kg m), potential energy (J), and two forces by its extension.
 
     The forces are dU/de, and the part of it that costs energy, head times dV/de (N).
     """
     m = p.members[i]
-    volume, slope, bx, by, bz, moves = cell_at(e, e - p.parts[i].neutral, i, p)
-    density, head = felt_by_part(depth + kx * bx + ky * by + kz * bz, m.half_height, p)
-    pressed = max(head, 0.0)
-    squeezed = pressed * m.per_bulk
-    share = density * volume * (1.0 - squeezed)
-    per_volume = head - 0.5 * squeezed * pressed
+    volume, slope, shift, moment, moment_slope = cell_at(e, e - p.parts[i].neutral, i, p)
     along = kx * m.axis_x + ky * m.axis_y + kz * m.axis_z
-    force = slope * per_volume + share * p.space[0].gravity * moves * along
-    return share, bx, by, bz, volume * per_volume, force, slope * pressed * (1.0 - squeezed)
+    density, head = felt_by_part(depth + kx * m.x + ky * m.y + kz * m.z + shift * along, m.half_height, p)
+    share, integral = squeezed_by(head, m.per_bulk)
+    density *= 1.0 - share
+    push = density * p.space[0].gravity * along
+    potential = volume * integral + (moment - volume * shift) * push
+    force = slope * integral + (moment_slope - slope * shift) * push
+    held, arm = density * volume, density * moment
+    return (
+        held, held * m.x + arm * m.axis_x, held * m.y + arm * m.axis_y, held * m.z + arm * m.axis_z,
+        potential, force, slope * max(head, 0.0) * (1.0 - share),
+    )  # fmt: skip
 
 
 @internal
@@ -115,9 +137,9 @@ def displaced_water(y, kx, ky, kz, p):
     for i in range(p.parts.shape[0]):
         cell = cell_in_water(y[EXTENSIONS + i], y[Z], i, kx, ky, kz, p)
         mass += cell[0]
-        mx += cell[0] * cell[1]
-        my += cell[0] * cell[2]
-        mz += cell[0] * cell[3]
+        mx += cell[1]
+        my += cell[2]
+        mz += cell[3]
         potential += cell[4]
     return mass, mx, my, mz, potential
 
@@ -150,16 +172,44 @@ def work_of_part(y, i, cell, kx, ky, kz, p):
     third is nu^T dM_RB/de nu / 2. N, or N m of a part that rolls.
     """
     force, billed = cell[5], cell[6]
-    if p.members[i].moving_mass > 0.0:
+    if p.members[i].moves != 0.0:
         weight, kinetic = work_of_mass(y, i, kx, ky, kz, p)
         return force + weight, billed + weight, kinetic
     return force, billed, 0.0
 
 
 @internal
-def work_per_extension(y, i, kx, ky, kz, p):
-    """Return what `work_of_part` does, of a part taken alone."""
-    return work_of_part(y, i, cell_in_water(y[EXTENSIONS + i], y[Z], i, kx, ky, kz, p), kx, ky, kz, p)
+def work_of_jump(before, after, i, kx, ky, kz, p):
+    """Return what part i's jump costs before efficiency: mean pressure times the rise of V, or the weight lifted."""
+    m = p.members[i]
+    work = 0.0
+    if m.moves != 0.0:
+        neutral = p.parts[i].neutral
+        ax, ay, az, _x, _y, _z, _c, _s = moving_mass_at(before[EXTENSIONS + i] - neutral, i, p)
+        bx, by, bz, _x, _y, _z, _c, _s = moving_mass_at(after[EXTENSIONS + i] - neutral, i, p)
+        lifted = kx * (bx - ax) + ky * (by - ay) + kz * (bz - az)
+        work = -m.moving_mass * p.space[0].gravity * lifted
+    start, first, taken = cell_under_pressure(before, i, kx, ky, kz, p)
+    finish, last, taken_after = cell_under_pressure(after, i, kx, ky, kz, p)
+    return work + 0.5 * (first * (1.0 - taken) + last * (1.0 - taken_after)) * (finish - start)
+
+
+@internal
+def cell_under_pressure(y, i, kx, ky, kz, p):
+    """Return the volume of cell i (m3), the head that it feels (Pa), and the share that compression takes away."""
+    m = p.members[i]
+    e = y[EXTENSIONS + i]
+    volume, _slope, shift, _moment, _moment_slope = cell_at(e, e - p.parts[i].neutral, i, p)
+    along = kx * m.axis_x + ky * m.axis_y + kz * m.axis_z
+    _density, head = felt_by_part(y[Z] + kx * m.x + ky * m.y + kz * m.z + shift * along, m.half_height, p)
+    return volume, max(head, 0.0), squeezed_by(head, m.per_bulk)[0]
+
+
+@internal
+def volume_under_pressure(y, i, kx, ky, kz, p):
+    """Return the volume that cell i displaces at its depth, m3."""
+    volume, _head, share = cell_under_pressure(y, i, kx, ky, kz, p)
+    return volume * (1.0 - share)
 
 
 @internal
@@ -173,7 +223,7 @@ def energy_taken(work, i, p):
 def move_members(t, y, p, drive, dy, kx, ky, kz):
     """Write the rates of extensions and of energy spent into `dy`; return what `displaced_water` does, and the power.
 
-    One pass over the parts: `displaced_water` and `work_per_extension` would both work out where each cell floats.
+    One pass over the parts: `displaced_water` and the work of each part would both work out where each cell floats.
     """
     mass, mx, my, mz, potential = solids_in_water(y, kx, ky, kz, p)
     power = 0.0
@@ -182,9 +232,9 @@ def move_members(t, y, p, drive, dy, kx, ky, kz):
         e = y[EXTENSIONS + i]
         cell = cell_in_water(e, y[Z], i, kx, ky, kz, p)
         mass += cell[0]
-        mx += cell[0] * cell[1]
-        my += cell[0] * cell[2]
-        mz += cell[0] * cell[3]
+        mx += cell[1]
+        my += cell[2]
+        mz += cell[3]
         potential += cell[4]
         rate = extension_rate(t, e, p.parts[i], drive[i])
         dy[EXTENSIONS + i] = rate

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from models.kernel.jit import internal
-from models.kernel.search import last_not_above
 
 
 @internal
@@ -63,10 +62,13 @@ def velocity_of_row(z, row, p):
 
 
 @internal
-def current_at(z, t, p):
-    """Return the current north, east (m/s), its change with depth (1/s) and its change with time (m/s2)."""
+def current_at(z, t, j, p):
+    """Return the current north, east (m/s), its change with depth (1/s) and its change with time (m/s2).
+
+    `j` is the profile from which time goes on: within a segment that of its begin, or the last stage of a step would
+    read the next one's.
+    """
     last = p.current_times.shape[0] - 1
-    j = last_not_above(t, p.current_times)
     levels = p.space[0].levels
     row = current_row(z, j * levels, p)
     x, y, x_z, y_z = velocity_of_row(z, row, p)

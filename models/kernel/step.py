@@ -56,8 +56,10 @@ def pair_step(t, h, y, p, work):
         for m in range(2, 7):
             error += E[m] * k[m, j]
         error = abs(h * error) / p.error_scale[j]
-        if not error <= worst:  # a NaN is the worst error of all
+        if not error <= worst:
             worst, where = error, j
+        if math.isnan(worst):  # the worst error of all, which no later one replaces
+            return worst, where
     return worst, where
 
 

@@ -123,7 +123,7 @@ def quiet(table):
 
 def matrix_of(assembly):
     """M_RB + M_A at the initial state, read off the response to its inverse."""
-    from models.assemble_spatial import added_mass
+    from models.added_mass import added_mass
     from models.mass_properties import initial_extensions, mass_balance
 
     design = assembly.design

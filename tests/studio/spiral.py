@@ -1,7 +1,7 @@
 """A design that turns, for the studio's tests: the Seawing glider, whose mass rolls to bank it.
 
-Numbers from Zhang S., Yu J., Zhang A., Zhang F., 2013, Ocean Engineering 60, 1-13, as in
-the preset seawing-spiral; the ballast is a piston here, so that a cell moves too. The
+Numbers from Zhang S., Yu J., Zhang A., Zhang F., 2013, Ocean Engineering 60, 1-13, as
+in the preset seawing-spiral; the ballast is a piston here, so that a cell moves too. The
 published spiral to which it tends banks by -13.7 deg and turns by 0.0039 rad/s.
 """
 
