@@ -254,7 +254,7 @@ def cells_section() -> str:
     stop = 1e6 * section * glider.STROKE / 2.0
     capacity, fitted = 2.0 * g * DENSE * section * glider.STROKE, 2.0 * PAPER_CELL_FORCE
     dive, climb = abs(glider.DIVE[0]), abs(glider.DIVE[1])
-    force = 4e-6 * dive * DENSE * g
+    shallow, deep = (4e-6 * dive * rho * g for rho in (top, bottom))
     acrylic = strips.tube_bulk_modulus(water.RADIUS, 2.0 * glider.WALL, **ACRYLIC)
     rows = [
         ("density of the lake, surface / 100 m", f"{num(top, 2)} / {num(bottom, 2)} kg/m³"),
@@ -263,9 +263,9 @@ def cells_section() -> str:
         ("change between surface and 100 m", f"**{signed(asked, 2)} N**, half of it either way from neutral"),
         ("all four cells, either way", f"±{num(capacity, 2)} N (±{num(stop, 0)} cm³ a cell)"),
         (f"straight dive (−{num(dive, 0)} cm³ a cell): net at the surface / 100 m",
-         f"{num(-force - asked / 2, 2)} / {num(-force + asked / 2, 2)} N"),
+         f"{num(-shallow - asked / 2, 2)} / {num(-deep + asked / 2, 2)} N"),
         (f"climb (+{num(dive, 0)} cm³ a cell): net at 100 m / surface",
-         f"{signed(force + asked / 2, 2)} / {signed(force - asked / 2, 2)} N"),
+         f"{signed(deep + asked / 2, 2)} / {signed(shallow - asked / 2, 2)} N"),
         ("for comparison: four of the paper's bellows, either way",
          f"±{num(fitted, 2)} N: leaves {num(fitted - asked / 2, 2)} N"),
     ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, Literal
@@ -10,12 +11,19 @@ import numpy as np
 
 from models.hydrodynamics import Provenance
 from models.hydrodynamics_angles import QUANTITIES, AngleTable
-from models.profile_files import Samples, on_grid, read_csv, validated
+from models.profile_files import Samples, on_grid, plain_header, read_csv, validated
 
 AXES = ("speed", "alpha_deg", "beta_deg")
 COLUMNS = ("X", "Y", "Z", "K", "M", "N")
 DECIMALS = 6
 """Angles and speeds that agree to these decimals are one."""
+SPEED_HINT = 'pick one by speed=, or speed="mean"'
+
+
+def holds_sideslip(path: Path | Traversable) -> bool:
+    """Return whether the header of a CSV names a sideslip, so that its table is one over both angles."""
+    with path.open(encoding="utf-8-sig") as lines:
+        return "beta_deg" in plain_header(path.name, next(csv.reader(lines), []), ("beta_deg",))
 
 
 def read_angle_table_csv(
@@ -56,7 +64,7 @@ def _at_speed(samples: Samples, speed: float | Literal["mean"] | None) -> Sample
     speeds = np.unique(measured)
     listed = ", ".join(f"{v:g}" for v in speeds)
     if speed is None and len(speeds) > 1:
-        raise samples.refuse(f"{len(speeds)} speeds ({listed} m/s)", hint='pick one by speed=, or speed="mean"')
+        raise samples.refuse(f"{len(speeds)} speeds ({listed} m/s)", hint=SPEED_HINT)
     kept = np.ones(len(measured), dtype=bool)
     if speed is not None and speed != "mean":
         kept = measured == np.round(speed, DECIMALS)

@@ -11,12 +11,13 @@ from pydantic import ValidationError
 
 from models.hydrodynamics import PolarTable, Provenance
 from models.problems import DesignError, Problem, problems_from_validation
+from models.profile_files import plain_header
 
 COLUMNS = ("speed", "alpha_deg", "lift", "drag", "moment")
 
 
 def read_polar_csv(path: Path | Traversable, *, provenance: Provenance, **fields: Any) -> PolarTable:
-    """Read a CSV with a header; further columns (deviations, residuals) are left alone.
+    """Read a CSV with a header; further columns (deviations, residuals) are left alone. Units may follow the names.
 
     Lift is across the flow, drag along it, the moment nose up about `reference_point`: a field of `PolarTable`, like
     the law, the density of the measurement and whether the moment holds the Munk moment; give them in `fields`.
@@ -28,9 +29,11 @@ def read_polar_csv(path: Path | Traversable, *, provenance: Provenance, **fields
 
     """
     reader = csv.DictReader(path.read_text(encoding="utf-8-sig").splitlines())
-    missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
+    header = reader.fieldnames = plain_header(path.name, reader.fieldnames or (), COLUMNS)
+    missing = [name for name in COLUMNS if name not in header]
     if missing:
-        raise DesignError([Problem("", f"{path.name} lacks the columns {', '.join(missing)}", hint="check its header")])
+        hint = f"wanted are {', '.join(COLUMNS)}; its header has {', '.join(header) or 'nothing'}"
+        raise DesignError([Problem("", f"{path.name} lacks the columns {', '.join(missing)}", hint=hint)])
     columns: dict[str, list[float]] = {name: [] for name in COLUMNS}
     for row in reader:
         for name in COLUMNS:

@@ -1,14 +1,16 @@
 """Owns reading water and currents from CSV and NetCDF, each number with the place it comes from.
 
 Columns of a CSV, and variables of a NetCDF: depth (m), temperature (degC, in situ) and salinity; density (kg/m3); or
-north and east (m/s), and optionally time (s). A NetCDF may use CF standard names instead, and z upward for depth.
+north and east (m/s), and optionally time (s). A NetCDF may use CF standard names instead, and z upward for depth. A
+column of a CSV may carry its unit: "depth (m)", "depth [m]". docs/data_files.md has an example of each.
 """
 
 from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources.abc import Traversable
 from itertools import islice
@@ -42,14 +44,32 @@ _METRE = {"m", "meter", "meters", "metre", "metres"}
 _SPEED = {"m/s", "m s-1", "m s^-1", "m.s-1", "m*s-1", "m s**-1", "meter second-1", "metre second-1", "meters/second"}
 _DENSITY = {"kg/m3", "kg/m^3", "kg m-3", "kg m^-3", "kg.m-3", "kg m**-3"}
 _CELSIUS = {"degc", "deg_c", "c", "°c", "celsius"} | {f"degree{s}_{c}" for s in ("", "s") for c in ("c", "celsius")}
-UNITS = {
+_DEGREES = {"deg", "degree", "degrees", "°"}
+_NEWTON = {"n", "newton", "newtons"}
+_NEWTON_METRE = {"n m", "nm", "n*m", "n.m", "n·m", "n-m"}
+Units = Mapping[str, tuple[str, set[str]]]
+UNITS: Units = {
     "depth": ("m", _METRE),
     "time": ("s", {"s", "sec", "second", "seconds"}),
     "temperature": ("degC", _CELSIUS),
     "density": ("kg/m3", _DENSITY),
     "north": ("m/s", _SPEED),
     "east": ("m/s", _SPEED),
+    "speed": ("m/s", _SPEED),
+    **dict.fromkeys(("alpha_deg", "beta_deg"), ("deg", _DEGREES)),
+    **dict.fromkeys(("lift", "drag", "X", "Y", "Z"), ("N", _NEWTON)),
+    **dict.fromkeys(("moment", "K", "M", "N"), ("N m", _NEWTON_METRE)),
 }
+"""Unit of each quantity, and how files write it (compared in lower case)."""
+SALINITY_UNITS = {
+    "practical": ("1", {"1", "-", "psu", "pss", "pss-78"}),
+    "absolute": ("g/kg", {"g/kg", "g kg-1", "g kg^-1", "g kg**-1"}),
+}
+_WITH_UNIT = re.compile(r"(?P<name>.*?)\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\[\]]*)\])")
+WATER_COLUMNS = ("depth", "temperature", "salinity")
+DENSITY_COLUMNS = ("depth", "density")
+CURRENT_COLUMNS = ("depth", "north", "east", "time")
+LATITUDE_HINT = "give latitude: pressure and gravity follow from it"
 MOST_NAMED = 5
 """How many bad places a message names; it counts the others."""
 
@@ -86,11 +106,12 @@ def read_water_profile(
         With file, line and column, where something is missing, is no number, or stands twice.
 
     """
-    samples, told = _read(path, ("depth", "temperature"), ("salinity",))
+    units = {**UNITS, "salinity": SALINITY_UNITS[salinity_kind]}
+    samples, told = _read(path, WATER_COLUMNS[:2], WATER_COLUMNS[2:], units)
     (depths,), grids = on_grid(samples, ("depth",))
     latitude = told.get("latitude") if latitude is None else latitude
     if latitude is None:
-        raise samples.refuse("no latitude", hint="give latitude: pressure and gravity follow from it")
+        raise samples.refuse("no latitude", hint=LATITUDE_HINT)
     document = {
         "kind": "teos10", "depths": depths.tolist(), "temperatures": grids["temperature"].tolist(),
         "salinities": grids["salinity"].tolist() if "salinity" in grids else None,
@@ -102,7 +123,7 @@ def read_water_profile(
 
 def read_density_profile(path: Path, *, source: str = "") -> DensityProfile:
     """Read in-situ density against depth; rows in any order. Raises as `read_water_profile` does."""
-    samples, _ = _read(path, ("depth", "density"), ())
+    samples, _ = _read(path, DENSITY_COLUMNS, ())
     (depths,), grids = on_grid(samples, ("depth",))
     document = {
         "kind": "density_profile", "depths": depths.tolist(), "densities": grids["density"].tolist(), "source": source,
@@ -115,7 +136,7 @@ def read_current_profile(path: Path, *, source: str = "") -> TabulatedCurrent:
 
     Times that are dates count from the first of them. Raises as `read_water_profile` does.
     """
-    samples, _ = _read(path, ("depth", "north", "east"), ("time",))
+    samples, _ = _read(path, CURRENT_COLUMNS[:3], CURRENT_COLUMNS[3:])
     timed = "time" in samples.columns
     axes, grids = on_grid(samples, ("time", "depth") if timed else ("depth",))
     document = {
@@ -170,15 +191,22 @@ def _some(names: Iterable[str], count: int) -> str:
     return f"{'; '.join(islice(names, MOST_NAMED))}{'; ...' if count > MOST_NAMED else ''} ({count} in all)"
 
 
-def _read(path: Path, required: Sequence[str], optional: Sequence[str]) -> tuple[Samples, dict[str, Any]]:
+def _read(
+    path: Path, required: Sequence[str], optional: Sequence[str], units: Units = UNITS
+) -> tuple[Samples, dict[str, Any]]:
     """Return the samples, and what a NetCDF says of itself: latitude, longitude, kind of salinity."""
     if path.suffix.lower() in NETCDF_SUFFIXES:
         return _read_netcdf(path, required, optional)
-    return read_csv(path, required, optional=optional, axes=("depth", "time")), {}
+    return read_csv(path, required, optional=optional, axes=("depth", "time"), units=units), {}
 
 
 def read_csv(
-    path: Path | Traversable, required: Sequence[str], *, optional: Sequence[str] = (), axes: Sequence[str] = ()
+    path: Path | Traversable,
+    required: Sequence[str],
+    *,
+    optional: Sequence[str] = (),
+    axes: Sequence[str] = (),
+    units: Units = UNITS,
 ) -> Samples:
     """Read columns of numbers under a header, in UTF-8; further columns are left alone.
 
@@ -187,7 +215,7 @@ def read_csv(
     Raises
     ------
     DesignError
-        Where a column is missing or stands twice, or a cell is empty or no number; with its line.
+        Where a column is missing, stands twice or is in another unit, or a cell is empty or no number; with its line.
 
     """
     try:
@@ -195,7 +223,7 @@ def read_csv(
         rows = [(reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells)]
     except (UnicodeDecodeError, csv.Error) as error:
         raise DesignError([Problem("", f"{path.name} is not a CSV in UTF-8: {error}")]) from None
-    header = [cell.strip() for cell in rows[0][1]] if rows else []
+    header = plain_header(path.name, rows[0][1], (*required, *optional), units) if rows else []
     wanted = [*required, *(name for name in optional if name in header)]
     _check_header(path.name, header, required, wanted)
     for line, cells in rows[1:]:
@@ -210,13 +238,39 @@ def read_csv(
     return _without_gaps(Samples(path.name, tuple(f"line {line}" for line, _ in rows[1:]), numbers), axes)
 
 
+def plain_header(file: str, cells: Sequence[str], names: Sequence[str], units: Units = UNITS) -> list[str]:
+    """Return a header without the units that its columns `names` carry, as in "depth (m)" or "depth [m]".
+
+    Raises
+    ------
+    DesignError
+        Where a column is there only in another unit than the one that is read.
+
+    """
+    header, others = [cell.strip() for cell in cells], {}
+    for k, cell in enumerate(header):
+        found = _WITH_UNIT.fullmatch(cell)
+        if found is None or found["name"] not in names or found["name"] not in units:
+            continue
+        said = (found["round"] or found["square"] or "").strip()
+        if said.lower() in units[found["name"]][1]:
+            header[k] = found["name"]
+        else:
+            others[found["name"]] = said
+    for name, said in others.items():
+        if name not in header:
+            message = f"{file}: column {name} is in {said!r}, wanted is {units[name][0]}"
+            raise DesignError([Problem("", message, hint="convert it and correct its header")])
+    return header
+
+
 def _check_header(file: str, header: list[str], required: Sequence[str], wanted: Sequence[str]) -> None:
     if not header:
         message = f"{file} is empty"
         raise DesignError([Problem("", message, hint=f"give a header with {', '.join(required)}, and rows below it")])
     missing = [name for name in required if name not in header]
     if missing:
-        hint = f"its header has {', '.join(header)}"
+        hint = f"wanted are {', '.join(required)}; its header has {', '.join(header)}"
         raise DesignError([Problem("", f"{file} lacks the columns {', '.join(missing)}", hint=hint)])
     doubled = [name for name in wanted if header.count(name) > 1]
     if doubled:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 from studio.exit_codes import DONE, MEANING, STOPPED
 
@@ -16,6 +18,35 @@ ATTACHED = {
     "current": "velocity north and east (m/s) against depth (m), and time (s)",
     "forces": "forces (N, N m) over alpha_deg, or over alpha_deg and beta_deg, with speed (m/s)",
 }
+COLUMNS = """\
+columns of a CSV, by its header, in any order; further columns are left alone. A unit may follow in brackets or
+parentheses, as in "depth (m)"; another unit is refused:
+  water     depth (m, down), temperature (degC, in situ), salinity (practical, or g/kg with --salinity absolute; without
+            that column the water is fresh)
+  density   depth (m), density (kg/m3, in situ)
+  current   depth (m), north (m/s), east (m/s), time (s; without that column the current is steady)
+  forces    over the angle of attack: speed (m/s), alpha_deg (deg, from 0 to 90), lift (N), drag (N), moment (N m, nose
+            up)
+  forces    over both angles, where the header has beta_deg: speed (m/s), alpha_deg, beta_deg (deg), X, Y, Z (N),
+            K, M, N (N m): body axes, x to the nose, y to starboard, z down; every combination of both angles
+a NetCDF has variables of these names or CF standard names: sea_water_temperature, sea_water_practical_salinity,
+sea_water_absolute_salinity, sea_water_density, northward_sea_water_velocity, eastward_sea_water_velocity, depth, time.
+Examples of each file, and the same from Python: docs/data_files.md
+
+"""
+
+
+def _speed(text: str) -> float | Literal["mean"]:
+    """Return a speed above 0, or "mean"; argparse refuses everything else."""
+    if text == "mean":
+        return "mean"
+    try:
+        speed = float(text)
+    except ValueError:
+        speed = math.nan
+    if not 0.0 < speed < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a speed above 0 (m/s) nor 'mean'")
+    return speed
 
 
 def _add_attach(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +58,19 @@ def _add_attach(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--latitude", type=float, help="of water: degrees north; sets pressure and gravity")
     parser.add_argument("--longitude", type=float, help="of water: degrees east; gives the sea's composition")
     parser.add_argument("--salinity", choices=("practical", "absolute"), default="practical", help="of water")
-    parser.add_argument("--speed", help="of forces: use this speed (m/s), or the mean of all ('mean')")
+    parser.add_argument("--speed", type=_speed, help="of forces: use this speed (m/s), or the mean of all ('mean')")
+    parser.add_argument(
+        "--munk", choices=("included", "excluded"), default="included",
+        help="of forces: whether the moments hold the Munk moment, as those measured in a stream do (included)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--reference-density", type=float, default=1000.0, metavar="RHO",
+        help="of forces: density at which they were taken, kg/m3 (1000)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--reference-point", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "Z"),
+        help="of forces: point about which the moments were taken, m in body axes (the body origin)",
+    )  # fmt: skip
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -46,7 +89,10 @@ def _parser() -> argparse.ArgumentParser:
     simulate.add_argument("-o", "--output", type=Path, help="result file: .nc (NetCDF) or .csv")
     validate = commands.add_parser("validate", help="check a design", epilog=MEANING)
     validate.add_argument("design", type=Path, help="design file, or - for standard input")
-    attaching = commands.add_parser("attach", help="put a profile or a force table into a design", epilog=MEANING)
+    attaching = commands.add_parser(
+        "attach", help="put a profile or a force table into a design", epilog=COLUMNS + MEANING,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
     _add_attach(attaching)
     presets = commands.add_parser("presets", help="list the presets, or print one as JSON", epilog=MEANING)
     presets.add_argument("preset", nargs="?", help="print this preset's design document")

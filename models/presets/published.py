@@ -15,9 +15,11 @@ SEAWING_NOTE = prose("""
     underwater gliders: modeling, analysis, and experimental results', Ocean Engineering 60, 1-13, as transcribed in
     the public repository Ivarsak/Underwater-Glider-6DOF-Nonlinear-Dynamics. The battery lies at x = 0.4216 m,
     turned by 45 deg, and the glider is 0.3 kg heavy. The published steady spiral: roll -13.703 deg, pitch -35.641
-    deg, 0.49 m/s, angle of attack 1.267 deg, sideslip -1.283 deg, 0.0039 rad/s, radius 100.5 m. The inertia of the
-    battery as published breaks the triangle inequality; it has no visible effect here. Density is not stated there;
-    ours is 1025 kg/m3, and shapes are ours, for drawing only.
+    deg, 0.49 m/s, angle of attack 1.267 deg, sideslip -1.283 deg, 0.0039 rad/s, radius 100.5 m. It banks away from
+    its turn, rolled to port while turning to starboard, since the side force of sideslip makes the turn, as
+    published; the quad-bellows glider banks inwards. Turned by +45 deg about x, the battery lies to port. The inertia
+    of the battery as published breaks the triangle inequality; it has no visible effect here. Density is not stated
+    there; ours is 1025 kg/m3, and shapes are ours, for drawing only.
 """)
 SLOCUM_NOTE = prose("""
     A Slocum-like glider in a steady glide at -25 deg. Source: J. G. Graver, 2005, 'Underwater gliders: dynamics,

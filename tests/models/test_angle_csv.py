@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from models.angle_csv import read_angle_table_csv
+from models.angle_csv import holds_sideslip, read_angle_table_csv
 from models.hydrodynamics import Provenance
 from models.hydrodynamics_angles import QUANTITIES
 from models.problems import DesignError
@@ -53,6 +53,14 @@ def test_forces_are_per_squared_speed_in_any_order_of_rows(tmp_path):
     assert (table.reference_density, table.includes_munk_moment, table.provenance) == (1025.0, False, PROVENANCE)
 
 
+def test_a_header_with_units_is_read_and_a_sideslip_is_seen_in_it(tmp_path):
+    header = "speed (m/s),alpha_deg (deg), beta_deg [deg],X (N),Y [N],Z,K (N m),M [Nm],N"
+    assert grids(read(tmp_path, [header, *rows(0.4)[1:]])) == pytest.approx(EXPECTED, rel=1e-14, abs=1e-15)
+    assert holds_sideslip(tmp_path / "tank.csv")
+    (tmp_path / "tank.csv").write_text("speed,alpha_deg,lift,drag,moment")
+    assert not holds_sideslip(tmp_path / "tank.csv")
+
+
 def test_of_several_speeds_one_is_chosen_or_the_mean_taken(tmp_path):
     lines = rows(0.2, 0.5, scale=lambda speed: {0.2: 1.3, 0.5: 1.0}[speed])
     assert grids(read(tmp_path, lines, speed=0.5)) == pytest.approx(EXPECTED, rel=1e-14, abs=1e-15)
@@ -84,7 +92,11 @@ def test_a_speed_with_holes_hinders_only_the_mean(tmp_path):
             lambda lines: [*lines, lines[3]],
             r"more than once: speed 0.4, alpha_deg -10, beta_deg 15 \(line 4 and line 14\) \(1 in all\)",
         ),
-        (lambda lines: [lines[0].replace("K", "Q"), *lines[1:]], "tank.csv lacks the columns K"),
+        (
+            lambda lines: [lines[0].replace("K", "Q"), *lines[1:]],
+            "tank.csv lacks the columns K .wanted are speed, alpha_deg, beta_deg, X, Y, Z, K, M, N; its header has",
+        ),
+        (lambda lines: [lines[0].replace("K", "K (lbf ft)"), *lines[1:]], "column K is in 'lbf ft', wanted is N m"),
         (lambda lines: [lines[0] + ",X", *(f"{line},1" for line in lines[1:])], "columns X more than once"),
         (lambda lines: [*lines[:2], "0.4,-10,5,big,0,0,0,0,0", *lines[3:]], "line 3, column X: 'big' is not a number"),
         (lambda lines: [*lines[:2], "0.4,-10,5,,0,0,0,0,0", *lines[3:]], "line 3, column X: no number"),

@@ -59,6 +59,37 @@ def test_columns_and_fields_are_read_in_any_order_of_rows(tmp_path):
     assert profile.source == "buoy 3"
 
 
+@pytest.mark.parametrize(
+    ("header", "kind"),
+    [
+        ("depth (m),temperature [degC],salinity (PSU)", "practical"),
+        ("depth[m],temperature (°C),salinity", "absolute"),
+        ("depth [ metres ] ,temperature (degree_Celsius),salinity [g/kg]", "absolute"),
+    ],
+)
+def test_columns_may_carry_the_unit_that_is_read(tmp_path, header, kind):
+    plain = water(written(tmp_path, CTD), salinity_kind=kind)
+    assert water(written(tmp_path, [header, *CTD[1:]], "units.csv"), salinity_kind=kind) == plain
+
+
+@pytest.mark.parametrize(
+    ("header", "says"),
+    [
+        ("depth (ft),temperature,salinity", "cast.csv: column depth is in 'ft', wanted is m (convert it"),
+        ("depth,temperature [K],salinity", "column temperature is in 'K', wanted is degC"),
+        ("depth,temperature,salinity (g/kg)", "column salinity is in 'g/kg', wanted is 1"),
+        ("depth,depth (m),temperature", "has the columns depth more than once"),
+    ],
+)
+def test_another_unit_in_the_header_is_refused_by_name(tmp_path, header, says):
+    assert says in problem(water, written(tmp_path, [header, *CTD[1:]]))
+
+
+def test_a_column_in_another_unit_is_left_alone_beside_the_one_that_is_meant(tmp_path):
+    rows = ["depth (m),temperature,depth (ft)", "0,20,0", "10,9,32.8"]
+    assert water(written(tmp_path, rows)).depths == (0.0, 10.0)
+
+
 def test_without_salinity_the_water_is_fresh(tmp_path):
     path = written(tmp_path, ["\ufeffdepth , temperature", "0,20", "", "5,10", " , "])
     profile = water(path)
@@ -141,7 +172,10 @@ def test_levels_without_any_value_are_left_out_and_half_empty_ones_refused(tmp_p
     [
         ([], "cast.csv is empty (give a header with depth, temperature"),
         (CTD[:1], "cast.csv: no row has a number"),
-        (["depth,temp", "1,2"], "cast.csv lacks the columns temperature (its header has depth, temp)"),
+        (
+            ["depth,temp", "1,2"],
+            "cast.csv lacks the columns temperature (wanted are depth, temperature; its header has depth, temp)",
+        ),
         (["depth,temperature,depth", "1,2,3"], "has the columns depth more than once"),
         ([*CTD[:2], "4,warm,0.1"], "cast.csv, line 3, column temperature: 'warm' is not a number"),
         ([*CTD[:2], "", "4,inf,0.1"], "cast.csv, line 4, column temperature: 'inf' is not finite"),

@@ -186,19 +186,96 @@ def test_attach_puts_a_profile_into_a_design(tmp_path, capsys):
     assert "warm" in capsys.readouterr().err
 
 
-def test_attach_puts_forces_over_both_angles_into_a_design(tmp_path):
-    design, table, out = tmp_path / "quad.json", tmp_path / "cfd.csv", tmp_path / "out.json"
-    design.write_text(load_preset("quad-bellows-glide").to_json())
-    rows = [
-        f"0.5,{a},{b},{-0.5},{-b * 0.01},{-a * 0.02},0,{-a * 0.001},{b * 0.001}"
-        for a in (-30, 0, 30)
-        for b in (0, 10, 20)
-    ]
-    table.write_text("speed,alpha_deg,beta_deg,X,Y,Z,K,M,N\n" + "\n".join(rows) + "\n")
-    assert main(["attach", str(design), "forces", str(table), "-o", str(out)]) == DONE
-    source = json.loads(out.read_text())["vehicle"]["hydrodynamics"]
-    assert source["kind"] == "angle_table" and source["surge"][0][0] == -2.0
-    assert main(["validate", str(out)]) == DONE
+TWO_ANGLES = ["speed,alpha_deg,beta_deg (deg),X [N],Y,Z,K,M,N"] + [
+    f"0.5,{a},{b},{-0.5},{-b * 0.01},{-a * 0.02},0,{-a * 0.001},{b * 0.001}" for a in (-30, 0, 30) for b in (0, 10, 20)
+]
+ONE_ANGLE = ["speed,alpha_deg,lift (N),drag,moment (N m)", *(f"0.5,{a},{a},1,0" for a in (0, 30, 60, 90))]
+
+
+def attach(tmp_path, rows, *words, kind="forces", source=None):
+    """Attach rows to the quad glider, or to its change of source; return the exit code and the file written."""
+    design, data, out = tmp_path / "quad.json", tmp_path / "cfd.csv", tmp_path / "out.json"
+    document = json.loads(load_preset("quad-bellows-glide").to_json())
+    if source is not None:
+        document["vehicle"]["hydrodynamics"] = source
+    design.write_text(json.dumps(document))
+    data.write_text("\n".join(rows))
+    return main(["attach", str(design), kind, str(data), "-o", str(out), *words]), out
+
+
+def source_of(path):
+    return json.loads(path.read_text())["vehicle"]["hydrodynamics"]
+
+
+def test_attach_of_a_table_over_both_angles_keeps_the_rate_terms(tmp_path, capsys):
+    former = load_preset("quad-bellows-glide").vehicle.hydrodynamics
+    code, out = attach(tmp_path, TWO_ANGLES)
+    printed, source = capsys.readouterr().out, source_of(out)
+    assert code == DONE and main(["validate", str(out)]) == DONE
+    assert source["kind"] == "angle_table" and source["surge"][0][0] == -2.0 and source["includes_munk_moment"]
+    assert source["rates"]["yaw_yaw"] == former.lateral.rates.yaw_yaw != 0.0
+    assert f"kept        rate terms of '{former.provenance.title}'\n" in printed
+    assert "replaced    lateral coefficients: side force, roll and yaw now come from the table" in printed
+    assert "assumed     the moments hold the Munk moment (--munk excluded if not)" in printed
+
+
+def test_attach_keeps_the_same_forces_at_another_reference_density(tmp_path, capsys):
+    former = load_preset("quad-bellows-glide").vehicle.hydrodynamics
+    words = ("--munk", "excluded", "--reference-density", "1025", "--reference-point", "0.1", "0", "-0.2")
+    for rows in (TWO_ANGLES, ONE_ANGLE):
+        code, out = attach(tmp_path, rows, *words)
+        printed, source = capsys.readouterr().out, source_of(out)
+        assert code == DONE and not source["includes_munk_moment"]
+        assert (source["reference_density"], source["reference_point"]) == (1025.0, [0.1, 0.0, -0.2])
+        rates = source["rates"] if source["kind"] == "angle_table" else source["lateral"]["rates"]
+        share = 1025.0 / former.reference_density
+        assert rates["roll_roll"] == pytest.approx(share * former.lateral.rates.roll_roll)
+        assert f"scaled from {former.reference_density:g} to 1025 kg/m3" in printed
+    assert source["lateral"]["yaw_sideslip"] == pytest.approx(share * former.lateral.yaw_sideslip)
+
+
+def test_attach_over_one_angle_tells_what_is_lost_of_a_table_over_both(tmp_path, capsys):
+    _, out = attach(tmp_path, TWO_ANGLES)
+    code, again = attach(tmp_path, ONE_ANGLE, source=source_of(out))
+    printed, source = capsys.readouterr().out, source_of(again)
+    assert code == DONE and "lost        side force, roll and yaw by sideslip" in printed
+    assert source["lateral"]["rates"]["yaw_yaw"] != 0.0 == source["lateral"]["yaw_sideslip"]
+
+
+@pytest.mark.parametrize("rows", [TWO_ANGLES, ONE_ANGLE])
+def test_attach_tells_that_rates_of_the_coefficient_form_are_left_out(tmp_path, capsys, rows):
+    former = json.loads(load_preset("seawing-spiral").to_json())["vehicle"]["hydrodynamics"]
+    assert attach(tmp_path, rows, source=former)[0] == DONE
+    assert "left out    rate terms of 'Seawing, Zhang et al. 2013'" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("speed", ["abc", "0", "-1", "nan", "inf"])
+def test_attach_refuses_what_is_no_speed(tmp_path, capsys, speed):
+    with pytest.raises(SystemExit) as left:
+        attach(tmp_path, TWO_ANGLES, f"--speed={speed}")
+    assert left.value.code == MISUSED and f"{speed!r} is neither a speed above 0" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("rows", "kind", "words", "says"),
+    [
+        (TWO_ANGLES, "forces", ("--source", "x" * 4001), "/source: String should have at most 4000 characters"),
+        (ONE_ANGLE, "forces", ("--source", "x" * 4001), "/source: String should have at most 4000 characters"),
+        (ONE_ANGLE, "forces", ("--reference-density", "0"), "/reference_density: Input should be greater"),
+        (["depth,temperature", "0,9", "9,8"], "water", (), "no latitude (give --latitude: pressure"),
+        (
+            ["alpha_deg,beta_deg,lift", "0,0,0"],
+            "forces", (), "wanted are speed, alpha_deg, beta_deg, X, Y, Z, K, M, N; its header has alpha_deg, beta_deg",
+        ),
+        (["alpha_deg", "0"], "forces", (), "wanted are speed, alpha_deg, lift, drag, moment; its header has alpha_deg"),
+        (["depth (ft),density", "0,1000"], "density", (), "column depth is in 'ft', wanted is m (convert it"),
+        ([*TWO_ANGLES, "0.6,0,0,0,0,0,0,0,0"], "forces", (), "(pick one by --speed, or --speed mean)"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_attached_is_one_line(tmp_path, capsys, rows, kind, words, says):
+    assert attach(tmp_path, rows, *words, kind=kind)[0] == REFUSED
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1 and says in told and "/: " not in told
 
 
 def test_simulate_tells_of_a_spatial_run(tmp_path, capsys):
