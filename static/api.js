@@ -43,7 +43,7 @@ export const undo = () => call("POST", "undo");
 export const redo = () => call("POST", "redo");
 export const openDesign = (text) => call("PUT", "design", text);
 export const trimBallast = () => call("POST", "trim-ballast");
-export const setCamera = (view) => call("POST", "camera", { view });
+export const setCamera = (view, covered) => call("POST", "camera", { view, covered });
 export const postClock = (t) => call("POST", "clock", { t });
 export const selectComponent = (component) => call("POST", "select", { component });
 

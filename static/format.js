@@ -14,6 +14,8 @@ export const degrees = (radians, digits = 1) => fixed(radians * DEGREES, digits)
 export const millimetres = (metres, digits = 2) => fixed(metres * 1e3, digits);
 export const grams = (kilograms, digits = 1) => fixed(kilograms * 1e3, digits);
 export const cubicCentimetres = (cubicMetres, digits = 1) => fixed(cubicMetres * 1e6, digits);
+// A heading on the compass card, 0 to 360 however often it went round.
+export const compass = (radians) => fixed((((Math.round(radians * DEGREES * 10) % 3600) + 3600) % 3600) / 10, 1);
 export const toDegrees = (radians) => radians * DEGREES;
 
 const SUPERSCRIPT = { "-": "\u207b", 0: "\u2070", 1: "\u00b9", 2: "\u00b2", 3: "\u00b3", 4: "\u2074", 5: "\u2075", 6: "\u2076", 7: "\u2077", 8: "\u2078", 9: "\u2079" };

@@ -24,11 +24,12 @@ export class Lane {
     this.back = svg("rect", { class: "lane-back", rx: 3 });
     this.high = svg("text", { class: "lane-limit" });
     this.low = svg("text", { class: "lane-limit" });
+    this.symbol = svg("text", { class: "lane-limit" });
     this.command = svg("path", { class: "command" });
     this.actual = svg("path", { class: "actual" });
     this.dots = svg("g", {});
     this.plot = svg("svg", {}, this.command, this.actual); // clips: the band is wide, and would paint beyond the end
-    this.svg = svg("svg", { class: "lane", role: "group" }, this.back, this.high, this.low, this.plot, this.dots);
+    this.svg = svg("svg", { class: "lane", role: "group" }, this.back, this.high, this.low, this.symbol, this.plot, this.dots);
     this.name = el("button", { type: "button", class: "lane-name", onclick: () => hooks.onSelect(this) });
     this.value = el("output", { class: "lane-value" });
     this.root = el("div", { class: "row lane-row" }, el("div", { class: "label" }, this.name, this.value), this.svg);
@@ -81,8 +82,12 @@ export class Lane {
     attributes(this.plot, { x: inner[0], y: 0, width: inner[2], height: LANE_HEIGHT, viewBox: inner.join(" ") });
     attributes(this.back, { x: scale.x(0), y: 2, width: scale.span, height: LANE_HEIGHT - 4 });
     const digits = this.unit.symbol === "°" ? 0 : high - low < 0.002 ? 2 : 1;
-    attributes(this.high, { x: scale.x(0) - 6, y: 13 });
-    attributes(this.low, { x: scale.x(0) - 6, y: LANE_HEIGHT - 5 });
+    const edge = scale.x(0) - 8;
+    const numbers = edge - (this.unit.symbol === "°" ? 7 : 21); // the unit stands once, beside both
+    attributes(this.high, { x: numbers, y: 13 });
+    attributes(this.low, { x: numbers, y: LANE_HEIGHT - 5 });
+    attributes(this.symbol, { x: edge, y: LANE_HEIGHT / 2 + 4 });
+    setText(this.symbol, this.unit.symbol);
     setText(this.high, fixed(high * this.unit.per, digits));
     setText(this.low, fixed(low * this.unit.per, digits));
     const corners = commandCorners(this.points, this.startValue(), scale.end);

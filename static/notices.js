@@ -34,12 +34,19 @@ function pointerLink(state, { select, showForces }) {
   };
 }
 
+// One line until it is opened; the line holds the whole text, which only the eye sees cut.
+const warningNode = (message, more, open) =>
+  el("details", { class: "box", open }, el("summary", { title: message }, message), more);
+
 function showWarnings(state, link) {
   const warnings = state.warnings ?? [];
   $("warnings-panel").hidden = warnings.length === 0;
   setText($("warnings-title"), warnings.length > 1 ? `Warnings · ${warnings.length}` : "Warnings");
-  $("warnings").replaceChildren(...warnings.map(({ message, pointer }) =>
-    el("div", { class: "box" }, el("p", {}, message), pointer ? link(pointer) : null)));
+  const open = new Set([...$("warnings").querySelectorAll("details[open] summary")].map((node) => node.textContent));
+  const nodes = warnings.map(({ message, pointer }) => warningNode(message, pointer ? link(pointer) : null, open.has(message)));
+  // Anew only where they differ: a rebuilt one would lose the focus.
+  const same = nodes.length === $("warnings").children.length && nodes.every((node, i) => node.isEqualNode($("warnings").children[i]));
+  if (!same) $("warnings").replaceChildren(...nodes);
 }
 
 function showProblem(problem, state, link) {

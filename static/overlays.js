@@ -17,6 +17,12 @@ function showForces(store, clock) {
   for (const key of FORCES) setText($(`force-${key}`), fixed(at(run.columns[key], place), 4));
 }
 
+// How much of the scene, from its top, lies under the buttons and chips.
+function coveredShare() {
+  const [scene, chips] = [document.querySelector(".scene"), document.querySelector(".top-over")].map((node) => node.getBoundingClientRect());
+  return Math.min(Math.max((chips.bottom - scene.top) / scene.height, 0), 0.5);
+}
+
 export function connectOverlays({ store, clock, setCamera }) {
   const change = (part) => store.set({ view: { ...store.get("view"), ...part } });
   for (const [id, key] of Object.entries(TOGGLES)) {
@@ -30,7 +36,7 @@ export function connectOverlays({ store, clock, setCamera }) {
       const { camera } = button.dataset;
       const follow = camera === "overview" ? false : before.camera === "overview" || before.follow;
       change({ camera, follow });
-      setCamera(button.dataset.camera);
+      setCamera(camera, coveredShare());
     });
   }
   clock.watch(() => showForces(store, clock));

@@ -1,6 +1,6 @@
 // What the time plots show: which columns, in which colour and unit, and which of them on an axis of its own at the right.
 
-import { degrees, fixed, toDegrees } from "./format.js";
+import { compass, degrees, fixed, toDegrees } from "./format.js";
 import { angleAt, at } from "./series.js";
 import { angleTicks, ticks } from "./timescale.js";
 
@@ -23,10 +23,11 @@ export const PLOTS = {
   angles: {
     ticks: angleTicks,
     planar: { title: "Pitch · flow · attack (°)", series: [pitch, angle("flow_angle", "Flow", 1.6, [7, 4]), attack] },
-    // The heading goes round and round: without jumps it would dwarf the others, so it has the axis at the right.
+    // The heading goes round and round: without jumps it would dwarf the others, so it has the axis at the right;
+    // its value is told as on the compass, as everywhere else.
     spatial: {
       title: "Angles (°), heading at right",
-      series: [pitch, angle("phi", "Roll", 1.8, [7, 4]), attack, angle("heading", "Heading", 1.6, [], { read: at, wraps: false, right: true })],
+      series: [pitch, angle("phi", "Roll", 1.8, [7, 4]), attack, angle("heading", "Heading", 1.6, [], { read: at, wraps: false, right: true, show: compass })],
     },
   },
 };

@@ -2,9 +2,18 @@
 
 import { el } from "./dom.js";
 
+const SCALES = [1, 1e3, 180 / Math.PI]; // limits are in SI; messages also speak of millimetres and degrees
+
+// A bound that the message gives, with its unit, is not said again without one.
+function says(message, limit) {
+  if (typeof limit !== "number") return message.includes(limit);
+  const numbers = (message.replaceAll("\u2212", "-").match(/-?\d+(\.\d+)?(e[-+]?\d+)?/gi) ?? []).map(Number);
+  return SCALES.some((scale) => numbers.some((n) => Math.abs(n - limit * scale) <= 1e-5 * Math.abs(limit * scale)));
+}
+
 function errorItem(error, link) {
   const item = el("li", {}, el("p", {}, error.message ?? "Not accepted."));
-  if (error.limit != null && error.limit !== "") item.append(el("p", {}, `Limit: ${error.limit}`));
+  if (error.limit != null && error.limit !== "" && !says(error.message ?? "", error.limit)) item.append(el("p", {}, `Limit: ${error.limit}`));
   if (error.hint) item.append(el("p", {}, error.hint));
   if (error.pointer) item.append(link?.(error.pointer) ?? el("span", { class: "where" }, error.pointer));
   return item;

@@ -1,6 +1,6 @@
 // Which numbers the right column shows, in which unit, and where each comes from.
 
-import { cubicCentimetres, degrees, fixed, grams, millimetres, scientific } from "./format.js";
+import { compass, cubicCentimetres, degrees, fixed, grams, millimetres, scientific } from "./format.js";
 import { angleAt, at } from "./series.js";
 
 const now = (key, read = at) => (run, place) => read(run.columns[key], place);
@@ -14,7 +14,6 @@ const SHORTEST = 1; // metres over ground below which energy per distance means 
 const mass = (v) => (v >= 10 ? [fixed(v, 3), "kg"] : [grams(v), "g"]);
 const volume = (v) => (v >= 0.01 ? [fixed(v * 1e3, 3), "dm³"] : [cubicCentimetres(v), "cm³"]);
 const energy = (v, per = "") => (Math.abs(v) >= 1e4 ? [fixed(v / 1e3, 2), `kJ${per}`] : [fixed(v, Math.abs(v) < 100 ? 2 : 1), `J${per}`]);
-const compass = (v) => fixed(((Math.round((v * 1800) / Math.PI) % 3600) + 3600) % 3600 / 10, 1);
 const radius = (v) => (v > FARTHEST ? ["straight", ""] : [fixed(v, 2), "m"]);
 const perKilometre = (joules, metresTravelled) => (metresTravelled > SHORTEST ? (joules / metresTravelled) * 1e3 : undefined);
 
@@ -46,7 +45,7 @@ export const NOW = [
 export const BALANCE = [
   ["mass", "Mass", "g", mass, ({ mass: m }) => m.mass],
   ["displaced-volume", "Displaced volume", "cm³", volume, ({ mass: m }) => m.displaced_volume],
-  ["start-net-buoyancy", "Net buoyancy at start", "N", (v) => fixed(v, 4), ({ mass: m }) => m.net_buoyancy],
+  ["start-net-buoyancy", "Net buoyancy at surface", "N", (v) => fixed(v, 4), ({ mass: m }) => m.net_buoyancy],
   ["com-below-cob", "CoM below CoB", "mm", millimetres, ({ mass: m }) => m.com_below_cob],
   ["com-x", "CoM x", "mm", millimetres, ({ mass: m }) => m.center_of_mass?.[0]],
   ["com-y", "CoM y", "mm", millimetres, ({ mass: m }) => m.center_of_mass?.[1], "spatial"],
@@ -87,6 +86,6 @@ export const TITLES = {
   "end-travelled": "Length of the horizontal track over ground",
   "end-heading": "Change of heading since the start, full turns counted",
   "end-energy-per-km": "Energy used by the horizontal track over ground",
-  "start-net-buoyancy": "With every cell at its extension at start, before the first command",
+  "start-net-buoyancy": "All cells at their extension at start, in the density of the surface, fully immersed",
   "energy-residual": "Left over in the energy balance at the end, as a share of the energy exchanged during the glide",
 };

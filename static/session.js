@@ -29,7 +29,7 @@ export function createActions(store) {
     trim: () => act(api.trimBallast),
     open: (read) => act(async () => api.openDesign(await read()), { keepProblem: true }),
     select: (index) => index !== undefined && act(() => api.selectComponent(index)),
-    camera: (view) => act(() => api.setCamera(view)),
+    camera: (view, covered) => act(() => api.setCamera(view, covered)),
   };
 }
 

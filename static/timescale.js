@@ -2,7 +2,7 @@
 
 import { longerThan } from "./format.js";
 
-export const GUTTER = 46; // pixels left of t = 0, for the value axes' numbers
+export const GUTTER = 62; // pixels left of t = 0, for the value axes' numbers and the lanes' unit
 export const MARGIN = 14; // pixels right of the end
 
 export class TimeScale {

@@ -36,6 +36,8 @@ def _document(body: JsonBody, settings: SettingsNow) -> Any:
 
 Document = Annotated[Any, Depends(_document)]
 
+MOST_COVERED = 0.5  # of the scene's height: more would leave no picture
+
 
 @router.get("/state")
 def get_state(opened: Admitted) -> Response:
@@ -132,7 +134,13 @@ def set_camera(opened: Admitted, document: Document) -> None:
     view = _member(document, "view")
     if not isinstance(view, str) or view not in VIEWS:
         raise DesignError([Problem("/view", f"there is no view '{view}'", hint=f"use one of {', '.join(VIEWS)}")])
-    opened.view().camera(view)
+    covered = document.get("covered", 0.0)
+    if isinstance(covered, bool) or not isinstance(covered, int | float) or not 0.0 <= covered <= MOST_COVERED:
+        message = f"the covered share of the scene is {covered!r}, not a number from 0 to {MOST_COVERED:g}"
+        raise DesignError(
+            [Problem("/covered", message, limit=MOST_COVERED, hint="leave it out where nothing covers it")]
+        )
+    opened.view().camera(view, float(covered))
 
 
 @router.post("/clock", status_code=204)

@@ -6,6 +6,7 @@ in degrees.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,12 @@ LAWS = {
     "polynomial": "polynomials of degree 5, 4 and 7 in the angle of attack",
     "grid": "bicubic pieces through the table, drawn at zero sideslip",
     "coefficients": "the formulas of the coefficients, drawn at zero sideslip",
+}
+IN_TABLE = {"side force": "sway", "roll moment": "roll", "yaw moment": "yaw"}
+IN_COEFFICIENTS = {
+    "side force": ("side_sideslip",),
+    "roll moment": ("roll_sideslip", "roll_rate"),
+    "yaw moment": ("yaw_sideslip", "yaw_rate"),
 }
 UNITS = {"lift": "N s²/m²", "drag": "N s²/m²", "moment": "N m s²/m²"}
 
@@ -100,7 +107,7 @@ def _angle_table(table: AngleTable) -> dict[str, Any]:
         "beyond": f"The table runs from {low:g} to {high:g}° of attack and from {table.beta_deg[0]:g} to "
         f"{table.beta_deg[-1]:g}° of sideslip{', mirrored' if table.mirrored else ''}; the forces of its edges are "
         "held beyond.",
-        "sideways": "side force, roll and yaw moments are in the table",
+        "sideways": _sideways("table", {what: _in_table(table, name) for what, name in IN_TABLE.items()}),
     }
     if 0.0 in table.beta_deg:
         k = table.beta_deg.index(0.0)
@@ -120,8 +127,29 @@ def _coefficients(source: CoefficientForm) -> dict[str, Any]:
         "range_deg": [-limit, limit],
         "folds": False,
         "beyond": f"Meant for angles of attack to ±{limit:g}° and sideslips to ±{slip:g}°; beyond, the formulas go on.",
-        "sideways": "side force, roll and yaw moments are in the coefficients",
+        "sideways": _sideways(
+            "coefficients",
+            {what: any(getattr(source, name) for name in names) for what, names in IN_COEFFICIENTS.items()},
+        ),
     }
+
+
+def _in_table(table: AngleTable, name: str) -> bool:
+    by_rates = (getattr(table.rates, f"{name}_{rate}") for rate in ("roll", "yaw"))
+    return bool(np.any(getattr(table, name))) or any(by_rates)
+
+
+def _sideways(where: str, given: Mapping[str, object]) -> str:
+    """Return which lateral forces a source gives, told by its values; `given` says of each whether one is not zero."""
+    there, missing = ([what for what in given if bool(given[what]) is wanted] for wanted in (True, False))
+    if not there:
+        return f"no side force, roll or yaw moment: they are all zero in the {where}; nothing holds against sideslip"
+    told = f"the {where} give{'s' if where == 'table' else ''} {_listed(there, 'and')}"
+    return f"{told}; no {_listed(missing, 'or')}" if missing else told
+
+
+def _listed(words: list[str], link: str) -> str:
+    return f" {link} ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
 def _flow_frame(alpha: Array, body: Array) -> Array:

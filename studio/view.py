@@ -6,6 +6,7 @@ import logging
 import threading
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.components import Actuated, Mover, RollingMass
 from models.design import Design
@@ -15,7 +16,9 @@ from studio import palette
 from studio.attitude import Quaternion, attitude_at, attitude_of, quaternion_about, rotate
 from studio.bodies import drawn_length
 from studio.gizmo import Gizmo
+from studio.grid import room_box
 from studio.guard import GuardedServer, make_server
+from studio.outlook import outlook
 from studio.palette import rgb
 from studio.panel.form import Form
 from studio.scene import LEVEL, GliderNodes, vehicle_extent, vehicle_length
@@ -24,6 +27,7 @@ from studio.water import WaterNodes, path_points
 
 log = logging.getLogger(__name__)
 
+Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
 FIELD_OF_VIEW = np.deg2rad(32.0)
@@ -39,8 +43,6 @@ CAMERAS = {
 }
 OVERVIEW = "overview"
 VIEWS = (*CAMERAS, OVERVIEW)
-OUTLOOK = np.array((0.6, 0.85, -0.4)) * 2.1
-"""Where the camera stands to see a whole path, in diagonals of the box around it; the page puts its middle at zero."""
 NEAR, FAR = 0.01, 1000.0
 NEAR_OFF = 0.5
 """Nothing is near in the overview; a metre away Viser keeps the background, which must not be cut off."""
@@ -77,12 +79,20 @@ class View:
         self._unsubscribe()
         self.server.stop()
 
-    def camera(self, view: str) -> None:
-        """Look from the side, the top, behind, freely, or at the whole path, in every browser of the session."""
+    def camera(self, view: str, covered: float = 0.0) -> None:
+        """Look from the side, the top, behind, freely, or at the whole path, in every browser of the session.
+
+        `covered` is the share of the picture, from its top, that lies under the page's buttons.
+        """
         far_off = view == OVERVIEW
-        size = self._path_size()
-        look_at, position = ((0.0, 0.0, 0.0), OUTLOOK * size) if far_off else self._camera_pose(view)
+        box = self._path_box()
+        size = float(np.linalg.norm(box[1] - box[0]))
         for client in self.server.get_clients().values():
+            look_at, position = (
+                outlook(box, float(FIELD_OF_VIEW), client.camera.aspect, covered)
+                if far_off
+                else self._camera_pose(view)
+            )
             with client.atomic():
                 client.camera.fov = FIELD_OF_VIEW
                 client.camera.up_direction = (0.0, 0.0, -1.0)
@@ -121,11 +131,16 @@ class View:
         camera.position, camera.look_at = position, look_at
         camera.near, camera.far = NEAR, FAR
 
-    def _path_size(self) -> float:
-        """Return the diagonal of the box around the path, m."""
-        run, length = self.session.run, vehicle_length(self.session.design)
-        spans = [0.0] if run is None else [float(np.ptp(run.values[k])) for k in ("x", "y", "z") if k in run.values]
-        return max(float(np.linalg.norm(spans)), 2.0 * length)
+    def _path_box(self) -> tuple[Array, Array]:
+        """Return the corners (3,) of the box around the path and, where it turns, its walls; from the path's middle."""
+        design, run = self.session.design, self.session.run
+        length = vehicle_length(design)
+        points = np.zeros((1, 3)) if run is None else path_points(run)
+        low, high = points.min(axis=0), points.max(axis=0)
+        middle = (low + high) / 2.0
+        if high[1] - low[1] > length:
+            low, high = room_box(points, length, design.mission.environment.bed_depth)
+        return np.minimum(low - middle, -length), np.maximum(high - middle, length)
 
     def _camera_pose(self, view: str) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         low, high = vehicle_extent(self.session.design)

@@ -30,6 +30,9 @@ TOLERANCES = tuple(10.0**-k for k in range(3, 13))
 ROOT = ("mission", "environment")
 INITIAL = ("mission", "initial")
 RIGHT_ANGLE = math.pi / 2.0
+OTHER_WATER = (
+    "Profiles of temperature and salinity, of density and of currents come in by 'glider-studio attach' or in the JSON."
+)
 
 
 def water_rows(design: Design) -> list[Row]:
@@ -54,7 +57,7 @@ def water_rows(design: Design) -> list[Row]:
             field_row("Surface", (*ROOT, "surface"), Environment, widget="choice", choices=surface),
             *_current_rows(design),
         ]
-    return rows
+    return [*rows, note(lambda _: OTHER_WATER)]
 
 
 def profile_in_words(design: Design) -> str:

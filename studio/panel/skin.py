@@ -6,6 +6,8 @@ client's element ids. Purely cosmetic: without it every control still works.
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
@@ -13,6 +15,7 @@ from importlib.resources import files
 from models.problems import Problem
 
 BASE = files(__package__).joinpath("panel.css").read_text(encoding="utf-8")
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?", re.IGNORECASE)
 
 
 def style(units: Iterable[tuple[str, str]], components: Iterable[tuple[str, str, str, bool]]) -> str:
@@ -74,7 +77,11 @@ def problem_box(problems: Iterable[Problem], names: Sequence[str]) -> str:
     """
     items = []
     for problem in problems:
-        limit = "" if problem.limit is None else f" Limit: {escape(_number(problem.limit))}."
+        limit = (
+            ""
+            if problem.limit is None or _says(problem.message, problem.limit)
+            else f" Limit: {escape(_number(problem.limit))}."
+        )
         hint = "" if problem.hint is None else f" {escape(problem.hint[:1].upper() + problem.hint[1:])}."
         where = escape(place(problem.pointer, names))
         items.append(f"<b>{where}</b>{escape(problem.message)}.<i>{limit}{hint}</i>")
@@ -82,6 +89,14 @@ def problem_box(problems: Iterable[Problem], names: Sequence[str]) -> str:
         return ""
     kept = "<i>Not applied: the last good glide stays.</i>"
     return f'<div class="studio-problem" role="alert">{"".join(items[:4])}{kept}</div>'
+
+
+def _says(message: str, limit: float | int | str) -> bool:
+    """Return whether a message already gives the bound, in SI, millimetres or degrees; static/problem.js asks alike."""
+    if isinstance(limit, str):
+        return limit in message
+    numbers = [float(number) for number in NUMBER.findall(message)]
+    return any(math.isclose(n, limit * scale, rel_tol=1e-5) for n in numbers for scale in (1.0, 1e3, math.degrees(1.0)))
 
 
 def _number(limit: float | int | str) -> str:

@@ -117,7 +117,10 @@ def test_the_model_is_chosen_in_the_panel_and_told_what_is_missing(program, page
     studio.wait_until(lambda: studio.state("s.run.model") == "spatial")
     expect(page.get_by_test_id("readout-roll")).to_be_visible()
     expect(page.get_by_test_id("readout-distance")).to_be_hidden()
-    expect(page.get_by_test_id("warnings")).to_contain_text("nothing holds the glider against sideslip")
+    warning = page.get_by_test_id("warnings").locator("details", has_text="nothing holds the glider against sideslip")
+    expect(warning.get_by_role("button")).to_be_hidden()
+    warning.locator("summary").press("Enter")
+    expect(warning.get_by_role("button")).to_have_text("Show the force data")
     studio.row("Position y").wait_for()
 
 
@@ -132,3 +135,9 @@ def test_an_offset_cell_banks_the_glider(turning):
     # shrunk, it lifts less to starboard than it weighs: that side goes down, and it turns the other way
     turning.wait_until(lambda: turning.readout("end-roll") > math.radians(1.0))
     assert turning.readout("end-heading") < 0.0
+    # the plot's line goes on below zero; both numbers are those of the compass
+    turning.page.evaluate(f"() => window.__studio.clock.seek({DURATION})")
+    turning.wait_until(lambda: turning.readout("heading") > math.pi)
+    shown = f"{math.degrees(turning.readout('heading')):.1f}"
+    expect(turning.page.get_by_test_id("readout-heading")).to_have_text(shown)
+    expect(turning.page.get_by_test_id("legend-heading")).to_have_text(f"{shown} °")

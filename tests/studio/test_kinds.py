@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from models.design import Design, parse_design
+from models.hydrodynamics_angles import AngleTable
 from models.presets import load_preset, preset_ids
 from models.water import gravity_of, surface_density
 from studio.panel.component_rows import component_rows
@@ -74,6 +75,15 @@ def test_the_forces_are_drawn_over_the_whole_circle(name: str) -> None:
     low, high = document["range_deg"]
     assert low < high
     assert document["beyond"] and document["sideways"]
+
+
+def test_lateral_forces_of_a_table_are_told_by_its_values() -> None:
+    table = parse_design(documents()["angle_table"]).vehicle.hydrodynamics
+    assert isinstance(table, AngleTable)
+    assert polar_document(table)["sideways"] == "the table gives side force and yaw moment; no roll moment"
+    rates = table.rates.model_copy(update={"roll_roll": -1.0})
+    damped = table.model_copy(update={"rates": rates})
+    assert polar_document(damped)["sideways"] == "the table gives side force, roll moment and yaw moment"
 
 
 def test_a_table_over_both_angles_gives_lift_and_drag_without_sideslip() -> None:

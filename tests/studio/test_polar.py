@@ -8,8 +8,10 @@ import pytest
 from models.design import Design
 from models.hydrodynamic_law import QUANTITIES, build_law, coefficients_by_speed, select_data
 from models.hydrodynamics import PolarTable
+from models.hydrodynamics_coefficients import CoefficientForm
 from studio.polar import polar_document
 from tests.studio.conftest import Studio
+from tests.studio.spiral import spiral
 
 
 @pytest.fixture(params=["pchip", "polynomial"])
@@ -56,6 +58,27 @@ def test_the_errors_and_the_provenance_are_told_unchanged(table: PolarTable) -> 
         assert told["relative"] == error.largest / error.range
     assert document["provenance"] == table.provenance.model_dump()
     assert "stand-in" in document["provenance"]["limits"]
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (
+            {},
+            "no side force, roll or yaw moment: they are all zero in the coefficients; nothing holds against sideslip",
+        ),
+        ({"side_sideslip": -20.0, "yaw_rate": -1.0}, "the coefficients give side force and yaw moment; no roll moment"),
+        (
+            {"side_sideslip": -20.0, "roll_sideslip": -1.0, "yaw_sideslip": 5.0},
+            "the coefficients give side force, roll moment and yaw moment",
+        ),
+    ],
+)
+def test_lateral_forces_are_told_by_their_values(given: dict[str, float], told: str) -> None:
+    source = spiral().vehicle.hydrodynamics
+    assert isinstance(source, CoefficientForm)
+    zero = dict.fromkeys(("side_sideslip", "roll_sideslip", "roll_rate", "yaw_sideslip", "yaw_rate"), 0.0)
+    assert polar_document(source.model_copy(update=zero | given))["sideways"] == told
 
 
 def test_a_session_answers_its_own_design_to_its_own_browser(studio: Studio, dual_bellows: Design) -> None:

@@ -156,6 +156,8 @@ def test_a_refused_edit_is_told_and_the_last_good_glide_stays(studio: Studio) ->
         assert client.post("edit", content=b"{", headers={"content-type": "application/json"}).status_code == 400
         for view in ("inside", [], {}, 3, None):
             assert client.post("camera", json={"view": view}).status_code == 422
+        for covered in (-0.1, 0.9, True, "half", None):
+            assert client.post("camera", json={"view": "overview", "covered": covered}).status_code == 422
         assert client.post("select", json={"component": 99}).status_code == 422
 
 
