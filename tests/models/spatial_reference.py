@@ -153,7 +153,11 @@ def displaced(part: Any, e: float) -> Displaced | None:
     if part.kind in ("movable_mass", "rolling_mass"):
         return None
     height = part.height if part.height is not None else (6.0 * neutral_volume / math.pi) ** (1.0 / 3.0)
-    center = moment / volume if volume > 0.0 else np.array(part.position)
+    shift = moment / volume - part.position if volume > 0.0 else ZERO
+    reach = abs(e - part.neutral) / 2.0 if part.kind in ("bellows", "piston") else 0.0
+    far = float(np.linalg.norm(shift))
+    # the centre of a cell that is nearly empty runs away; where its water is felt stays within half the travel
+    center = np.array(part.position) + shift * (min(far, reach) / far if far > 0.0 else 0.0)
     return Displaced(volume, moment, center, part.bulk_modulus, height)
 
 
@@ -414,6 +418,7 @@ class SpatialReference:
             corners = (m for m in (-part.height / 2.0, part.height / 2.0, *levels) if min(0.0, z) < m < max(0.0, z))
             whole = sum(gauss(weight, a, b) for a, b in pairwise(sorted({0.0, z, *corners})))
             U += self.gravity * part.volume * math.copysign(whole, z)
+            U += self.gravity * float(R[2] @ (part.moment - part.volume * part.center)) * weight(z)
         return float(nu @ mass.matrix @ nu + nu_r @ self.M_A @ nu_r) / 2.0, float(U)
 
 
