@@ -9,7 +9,7 @@ import { connectOverlays } from "./overlays.js";
 import { connectPolar } from "./polar.js";
 import { connectReadouts } from "./readouts.js";
 import { rememberSession } from "./recent.js";
-import { largestForce, pathBox, positionAt, sceneAt, visibility } from "./scene.js";
+import { bedInSight, largestForce, pathBox, positionAt, sceneAt, visibility } from "./scene.js";
 import { createActions, follow } from "./session.js";
 import { createStore } from "./store.js";
 import { Timeline } from "./timeline.js";
@@ -39,7 +39,8 @@ const actions = createActions(store);
 function shown() {
   const view = store.get("view");
   const run = store.get("state")?.run;
-  return { ...view, forces: view.forces && Boolean(run), spatial: run?.model === "spatial" };
+  const bed = bedInSight(store.get("state"), clock.t);
+  return { ...view, forces: view.forces && Boolean(run), spatial: run?.model === "spatial", bed };
 }
 
 const viewer = new Viewer($("view"), {

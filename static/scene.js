@@ -116,8 +116,17 @@ export function sceneAt(state, t, { anchor, exaggeration, largest, turning, beac
   return wanted;
 }
 
+const SIGHT = 12; // metres through lake water: a bed further down would look as if it were near
+
+// Whether the bed can be seen from where the glider is.
+export function bedInSight(state, t) {
+  if (!state?.run) return true;
+  return state.bed_depth - positionAt(state.run, t)[2] < SIGHT;
+}
+
 // Whether a node of this name is shown, or null where the page has no say.
-export function visibility(name, { forces, centers, path, spatial, camera }) {
+export function visibility(name, { forces, centers, path, spatial, camera, bed }) {
+  if (name === "/world/bed") return bed;
   if (name === "/glider/beacon") return camera === "overview";
   // From afar the labels beside the path would hide it.
   if (name === "/world/rungs" || name.startsWith("/world/grid/")) return camera !== "overview";
