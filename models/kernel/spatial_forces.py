@@ -44,8 +44,8 @@ def coefficient_forces(u, v, w, wx, wy, wz, p):
     v2 = in_plane + v * v
     chord, speed = math.sqrt(in_plane), math.sqrt(v2)
     alpha, beta = atan2(w, u), atan2(v, chord)
-    ca, sa = (u + TINY) / (chord + TINY), w / (chord + TINY)  # straight across the angle of attack is 0, not undefined
-    cb, sb = chord / (speed + TINY), v / (speed + TINY)
+    ca, sa = (u + TINY) / (chord + TINY), w / (chord + TINY)  # at rest and straight across both angles are 0
+    cb, sb = (chord + TINY) / (speed + TINY), v / (speed + TINY)
     b, c = p.space[0], p.coefficients
     turning = b.rate_none + b.rate_speed * speed + b.rate_speed2 * v2
     drag = (c[0] + c[1] * alpha * alpha + c[2] * beta * beta) * v2
