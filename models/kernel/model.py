@@ -5,7 +5,8 @@ from __future__ import annotations
 from models.kernel.jit import compiled, internal
 from models.kernel.planar import derivative as planar_derivative
 from models.kernel.planar import energies as planar_energies
-from models.kernel.spatial import attitude, normalise, spatial_derivative, spatial_energies
+from models.kernel.planar import planar_loads
+from models.kernel.spatial import attitude, normalise, spatial_derivative, spatial_energies, spatial_loads
 from models.kernel.spatial_layout import EXTENSIONS
 from models.kernel.spatial_parts import energy_taken, work_of_jump
 
@@ -25,6 +26,17 @@ def energies(t, y, p):
     if p.space[0].spatial != 0:
         return spatial_energies(t, y, p)
     return planar_energies(y, p)
+
+
+@compiled
+def loads(t, y, p, out):
+    """Write the forces and moments X, Y, Z, K, M, N that are out of balance into `out` (6,); zero where one is none."""
+    if p.space[0].spatial != 0:
+        spatial_loads(t, y, p, out)
+    else:
+        for j in range(6):
+            out[j] = 0.0
+        planar_loads(y, p, out)
 
 
 @internal

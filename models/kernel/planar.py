@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from models.kernel.actuators import balance_with_parts, move_parts
-from models.kernel.jit import inlined, internal
+from models.kernel.jit import compiled, inlined, internal
 from models.kernel.params import EXTENSIONS, THETA, WORK_ACTUATORS, WORK_WATER, Q, U, W, X, Z
 from models.kernel.scalar import TINY, atan2, sincos
 
@@ -94,6 +94,40 @@ def solve_symmetric(m11, m12, m13, m22, m23, m33, r1, r2, r3):
 
 
 @internal
+def unbalanced(u, w, q, s, c, balance, p):
+    """Return what is left to accelerate body and added mass (X, Z, M), and the water's share of it, N and N m."""
+    b = p.body[0]
+    mass_x, mass_z, volume, volume_x, volume_z = balance
+    _lift, _drag, moment, X_h, Z_h, _alpha, speed = hydrodynamics(u, w, p)
+    moment -= munk_excess(u, w, b)
+    Z_q, M_q = pitch_rate_terms(speed, q, p)
+    X_w = X_h - b.d11 * u
+    Z_w = Z_h - b.d33 * w + Z_q
+    M_w = moment - b.d55 * q + M_q
+
+    heaviness = b.gravity * (b.mass - b.density * volume)
+    arm_x = mass_x - b.density * volume_x
+    arm_z = mass_z - b.density * volume_z
+    P_x = (b.mass + b.a11) * u + b.a13 * w + (mass_z + b.a15) * q
+    P_z = b.a13 * u + (b.mass + b.a33) * w + (b.a35 - mass_x) * q
+    loads = (
+        X_w - s * heaviness - q * P_z,
+        Z_w + c * heaviness + q * P_x,
+        M_w - b.gravity * (arm_z * s + arm_x * c) - (w * P_x - u * P_z),
+    )
+    return loads, (X_w, Z_w, M_w)
+
+
+@compiled
+def planar_loads(y, p, out):
+    """Write the forces and the moment that are out of balance into entries 0, 2 and 4 of `out` (6,), N and N m."""
+    s, c = sincos(y[THETA])
+    mass_x, mass_z, _inertia, volume, volume_x, volume_z = balance_with_parts(y, p)
+    loads, _water = unbalanced(y[U], y[W], y[Q], s, c, (mass_x, mass_z, volume, volume_x, volume_z), p)
+    out[0], out[2], out[4] = loads
+
+
+@internal
 def derivative(t, y, p, drive, dy):
     """Write dy/dt into `dy`: kinematics, accelerations, work rates, extension rates.
 
@@ -103,27 +137,10 @@ def derivative(t, y, p, drive, dy):
     u, w, q = y[U], y[W], y[Q]
     s, c = sincos(y[THETA])
     mass_x, mass_z, inertia, volume, volume_x, volume_z, power = move_parts(t, y, p, drive, dy, s, c)
-    _lift, _drag, moment, X_h, Z_h, _alpha, speed = hydrodynamics(u, w, p)
-    moment -= munk_excess(u, w, b)
-    Z_q, M_q = pitch_rate_terms(speed, q, p)
-    X_w = X_h - b.d11 * u
-    Z_w = Z_h - b.d33 * w + Z_q
-    M_w = moment - b.d55 * q + M_q
-
-    heaviness = b.gravity * (b.mass - b.density * volume)
-    X_total = X_w - s * heaviness
-    Z_total = Z_w + c * heaviness
-    arm_x = mass_x - b.density * volume_x
-    arm_z = mass_z - b.density * volume_z
-    M_total = M_w - b.gravity * (arm_z * s + arm_x * c)
-
-    m15 = mass_z + b.a15
-    m35 = b.a35 - mass_x
-    P_x = (b.mass + b.a11) * u + b.a13 * w + m15 * q
-    P_z = b.a13 * u + (b.mass + b.a33) * w + m35 * q
+    loads, by_water = unbalanced(u, w, q, s, c, (mass_x, mass_z, volume, volume_x, volume_z), p)
     du, dw, dq = solve_symmetric(
-        b.mass + b.a11, b.a13, m15, b.mass + b.a33, m35, inertia + b.a55,
-        X_total - q * P_z, Z_total + q * P_x, M_total - (w * P_x - u * P_z),
+        b.mass + b.a11, b.a13, mass_z + b.a15, b.mass + b.a33, b.a35 - mass_x, inertia + b.a55,
+        loads[0], loads[1], loads[2],
     )  # fmt: skip
 
     dy[X] = c * u + s * w
@@ -132,7 +149,7 @@ def derivative(t, y, p, drive, dy):
     dy[U] = du
     dy[W] = dw
     dy[Q] = dq
-    dy[WORK_WATER] = u * X_w + w * Z_w + q * M_w
+    dy[WORK_WATER] = u * by_water[0] + w * by_water[1] + q * by_water[2]
     dy[WORK_ACTUATORS] = power
 
 

@@ -176,6 +176,40 @@ def coriolis_forces(y, nu_r, masses, momentum, p):
     return fx, fy, fz, tx + bx + ax, ty + by + ay, tz + bz + az
 
 
+@internal
+def unbalanced(y, nu_r, flow, rot, masses, displaced, bed, p):
+    """Return what is left to accelerate body and added mass (N, N m), and what the works need of it.
+
+    These are the forces of the water, the momentum of the added mass, and the water's own acceleration.
+    """
+    by_water = water_forces(y, nu_r, flow, displaced, p)
+    still = still_forces(rot, masses, displaced, bed, p)
+    momentum = times6(p.added, nu_r[0], nu_r[1], nu_r[2], nu_r[3], nu_r[4], nu_r[5])
+    coriolis = coriolis_forces(y, nu_r, masses, momentum, p)
+    a_c = water_acceleration(y, flow)
+    carried = times6(p.added, a_c[0], a_c[1], a_c[2], 0.0, 0.0, 0.0)
+    loads = (
+        by_water[0] + still[0] - coriolis[0] + carried[0], by_water[1] + still[1] - coriolis[1] + carried[1],
+        by_water[2] + still[2] - coriolis[2] + carried[2], by_water[3] + still[3] - coriolis[3] + carried[3],
+        by_water[4] + still[4] - coriolis[4] + carried[4], by_water[5] + still[5] - coriolis[5] + carried[5],
+    )  # fmt: skip
+    return loads, by_water, momentum, a_c
+
+
+@compiled
+def spatial_loads(t, y, p, out):
+    """Write the forces and moments that are out of balance into `out` (6,), N and N m; parts stand still."""
+    rot = attitude(y)
+    flow = water_velocity(t, y, last_not_above(t, p.current_times), p, rot)
+    sink = rot[6] * y[U] + rot[7] * y[V] + rot[8] * y[W]
+    displaced = displaced_water(y, rot[6], rot[7], rot[8], p)
+    loads, _water, _momentum, _a = unbalanced(
+        y, through_water(y, flow), flow, rot, masses_at(y, p), displaced, bed_force(y[Z], sink, p), p
+    )
+    for j in range(6):
+        out[j] = loads[j]
+
+
 @compiled
 def spatial_derivative(t, y, p, drive, dy):
     """Write dy/dt into `dy`: kinematics, accelerations, work rates, extension and battery rates."""
@@ -187,18 +221,8 @@ def spatial_derivative(t, y, p, drive, dy):
     sink = rot[6] * y[U] + rot[7] * y[V] + rot[8] * y[W]
     bed = bed_force(y[Z], sink, p)
 
-    by_water = water_forces(y, nu_r, flow, displaced, p)
-    still = still_forces(rot, masses, displaced, bed, p)
-    momentum = times6(p.added, nu_r[0], nu_r[1], nu_r[2], nu_r[3], nu_r[4], nu_r[5])
-    coriolis = coriolis_forces(y, nu_r, masses, momentum, p)
-    a_c = water_acceleration(y, flow)
-    carried = times6(p.added, a_c[0], a_c[1], a_c[2], 0.0, 0.0, 0.0)
-    nu_dot = solve_block(
-        p.space[0].mass, masses, p.added,
-        by_water[0] + still[0] - coriolis[0] + carried[0], by_water[1] + still[1] - coriolis[1] + carried[1],
-        by_water[2] + still[2] - coriolis[2] + carried[2], by_water[3] + still[3] - coriolis[3] + carried[3],
-        by_water[4] + still[4] - coriolis[4] + carried[4], by_water[5] + still[5] - coriolis[5] + carried[5],
-    )  # fmt: skip
+    loads, by_water, momentum, a_c = unbalanced(y, nu_r, flow, rot, masses, displaced, bed, p)
+    nu_dot = solve_block(p.space[0].mass, masses, p.added, loads[0], loads[1], loads[2], loads[3], loads[4], loads[5])
 
     write_kinematics(y, rot, dy)
     dy[U], dy[V], dy[W], dy[P], dy[Q], dy[R] = nu_dot
