@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from models.assemble import Assembly
 from models.design import Design
-from models.kernel.integrate import integrate
+from models.kernel.integrate import PROGRESS, finish, integrate
 from models.kernel.params import Record, make_record, make_work
 
 Array = NDArray[np.float64]
@@ -48,10 +48,15 @@ def recorded_run(assembly: Assembly) -> Callable[[], Record]:
     def run() -> Record:
         record.counts[:] = 0
         work.armed[:] = 1
+        work.told[:] = math.nan
+        work.memory[:] = 0.0
+        work.clock[:] = 0.0
+        y = assembly.initial_state.copy()
         integrate(
-            solver.method == "adaptive", mission.duration, solver.step, solver.output_interval, 10_000_000,
-            assembly.initial_state.copy(), assembly.params, work, record,
+            solver.method == "adaptive", 0.0, mission.duration, solver.step, solver.output_interval, 10_000_000,
+            y, assembly.params, work, record,
         )  # fmt: skip
+        finish(record.control[PROGRESS], y, work, record)
         return record
 
     return run

@@ -19,7 +19,7 @@ from models.components import Actuated, MovableMass, RollingMass, extension_unit
 from models.design import DeclaredMass, Design
 from models.kernel import allocate as kernel
 from models.mass_properties import component_center_of_mass, component_volume_moment
-from models.problems import DesignError, Problem, pointer_to
+from models.problems import DesignError, Problem
 from models.volumes import volume
 from models.water import density_at, gravity_of
 
@@ -122,8 +122,12 @@ class Authority:
     holds: tuple[str, ...]
 
 
-def effectiveness(design: Design, cells: Sequence[str] | None = None, *, depth: float = 0.0) -> Effectiveness:
+def effectiveness(
+    design: Design, cells: Sequence[str] | None = None, *, depth: float = 0.0, pointer: str = "/options/cells"
+) -> Effectiveness:
     """Return what each of the named cells (all that move, if none are) does at neutral, by the density at a depth (m).
+
+    `pointer` is where the names stand, for errors.
 
     Raises
     ------
@@ -131,7 +135,7 @@ def effectiveness(design: Design, cells: Sequence[str] | None = None, *, depth: 
         Where a name is unknown or named twice.
 
     """
-    chosen = _chosen(design, cells)
+    chosen = _chosen(design, cells, pointer)
     environment = design.mission.environment
     density = float(np.asarray(density_at(environment.water, np.array([depth])))[0])
     gravity = gravity_of(environment)
@@ -148,13 +152,13 @@ def effectiveness(design: Design, cells: Sequence[str] | None = None, *, depth: 
     )  # fmt: skip
 
 
-def _chosen(design: Design, cells: Sequence[str] | None) -> list[tuple[int, Actuated]]:
+def _chosen(design: Design, cells: Sequence[str] | None, pointer: str) -> list[tuple[int, Actuated]]:
     """Return the named parts, each with its index among those that move."""
     moving = {part.name: (index, part) for index, (_, part) in enumerate(design.vehicle.actuated)}
     if cells is None:
         return list(moving.values())
     for i, name in enumerate(cells):
-        at = pointer_to("mission", "control", "controller", "allocation", "cells", i)
+        at = f"{pointer}/{i}"
         if name not in moving:
             known = ", ".join(f"'{other}'" for other in moving) or "none"
             raise DesignError([Problem(at, f"no component that moves is named '{name}'", hint=f"those are: {known}")])

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.added_mass import added_mass, damping_matrix
+from models.assemble_control import control_records
 from models.assemble_spatial import spatial_records
 from models.attitude import quaternion_from_rpy_radians, rotation_of
 from models.checks import check_design
@@ -73,6 +74,7 @@ def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
         lookup=lookup,
         error_scale=_error_scale(design, parts, float(body["mass"][0])),
         **spatial_records(design, parts),
+        **control_records(design),
     )
     state = _initial_state(design, [extensions[part.name] for part in parts])
     warnings = tuple(warnings_for(design))

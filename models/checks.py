@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.added_mass import added_mass
+from models.assemble_control import control_problems
 from models.components import Actuated, extension_unit
 from models.design import Design
 from models.hydrodynamic_law import HydrodynamicLaw, law_of
@@ -38,7 +39,8 @@ def check_design(design: Design, limits: Limits) -> HydrodynamicLaw | None:
     if problems:
         raise DesignError(problems)
     problems = [
-        *_control_problems(design), *_initial_problems(design), *model_problems(design), *_mass_problems(design),
+        *_schedule_problems(design), *control_problems(design), *_initial_problems(design), *model_problems(design),
+        *_mass_problems(design),
     ]  # fmt: skip
     try:
         law = law_of(design.vehicle.hydrodynamics)
@@ -112,7 +114,7 @@ def _stop_problem(pointer: str, part: Actuated, extension: float) -> Problem:
     )
 
 
-def _control_problems(design: Design) -> Iterator[Problem]:
+def _schedule_problems(design: Design) -> Iterator[Problem]:
     moving = {c.name: c for _, c in design.vehicle.actuated}
     seen: set[str] = set()
     for i, schedule in enumerate(design.mission.control.schedules):

@@ -6,6 +6,7 @@ import math
 from typing import Literal
 
 from models.components import Extension
+from models.controllers import Controller
 from models.environment import Environment
 from models.fields import Description, Name, Rate3, Vector3, quantity, text, vector
 from models.schedule import Schedule
@@ -40,6 +41,9 @@ class Control(Description):
     """What the cells are told."""
 
     schedules: tuple[Schedule, ...] = text("Open-loop schedules, at most one a component.", default=())
+    controller: Controller | None = text(
+        "Closed loop over the cells that it names; those follow no schedule.", default=None
+    )
 
 
 class Solver(Description):

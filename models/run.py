@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from models.components import extension_unit
 from models.design import Design, loads_design
-from models.variables import CELL_VARIABLES, IN_UNITS_OF_EXTENSION, VARIABLES, About
+from models.variables import CELL_VARIABLES, CONTROL_VARIABLES, IN_UNITS_OF_EXTENSION, VARIABLES, About
 
 Array = NDArray[np.float64]
 
@@ -40,18 +40,31 @@ class Status(Enum):
     cancelled = "The run was cancelled; what was computed is kept."
 
 
+WHAT_HAPPENED = {
+    "surface": "reached the surface", "bed": "reached the bed", "end_of_stroke": "reached a stop",
+    "dive": "began to dive", "climb": "began to climb", "waypoint": "reached a waypoint",
+}  # fmt: skip
+
+
+def variables_of(design: Design) -> Mapping[str, About]:
+    """Return unit and meaning of every variable over time that a run of a design keeps."""
+    variables = VARIABLES[design.mission.solver.model]
+    return variables if design.mission.control.controller is None else {**variables, **CONTROL_VARIABLES}
+
+
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that happened at an instant: `kind` is surface, bed or end_of_stroke; `cell` names the part, if any."""
+    """Something that happened at an instant; `cell` names the part, if any.
+
+    `kind` is surface, bed, end_of_stroke, or, of a controller, dive, climb or waypoint.
+    """
 
     time: float
     kind: str
     cell: str | None = None
 
     def __str__(self) -> str:
-        what = {"surface": "reached the surface", "bed": "reached the bed", "end_of_stroke": "reached a stop"}[
-            self.kind
-        ]
+        what = WHAT_HAPPENED[self.kind]
         return f"{self.cell or 'the glider'} {what} at {self.time:.3f} s"
 
 
@@ -104,7 +117,7 @@ class Run:
     @property
     def variables(self) -> Mapping[str, About]:
         """Unit and meaning of every variable over time."""
-        return VARIABLES[self.model]
+        return variables_of(self.design)
 
     @property
     def cell_variables(self) -> Mapping[str, About]:
@@ -219,7 +232,7 @@ class Run:
         return cls(
             design=design,
             times=data["time"].values,
-            values={name: data[name].values for name in VARIABLES[model]},
+            values={name: data[name].values for name in variables_of(design)},
             cells=tuple(str(name) for name in data["cell"].values),
             cell_values={name: data[name].values for name in CELL_VARIABLES[model]},
             status=Status[a["status"]],
@@ -253,7 +266,8 @@ class Run:
         model = "spatial" if "y [m]" in columns else "planar"
         variables: dict[str, Any] = {
             name: ("time", columns[f"{name} [{about[0]}]"], _attributes(*about))
-            for name, about in VARIABLES[model].items()
+            for name, about in {**VARIABLES[model], **CONTROL_VARIABLES}.items()
+            if name not in CONTROL_VARIABLES or f"{name} [{about[0]}]" in columns
         }
         for name, about in CELL_VARIABLES[model].items():
             labels = [_cell_label(name, about, cell, unit) for cell, unit in zip(cells, units, strict=True)]

@@ -10,20 +10,22 @@ from numpy.typing import NDArray
 
 from models.assemble import Assembly, assemble
 from models.design import Design
-from models.kernel import KERNEL_HASH
+from models.kernel import KERNEL_HASH, params
 from models.kernel import outputs as planar
 from models.kernel import spatial_outputs as spatial
-from models.kernel.integrate import CANCEL, PROGRESS, integrate
-from models.kernel.params import make_record, make_work
+from models.kernel.control_layout import SHOWN
+from models.kernel.integrate import CANCEL, PROGRESS, finish, integrate
+from models.kernel.params import Record, Work
 from models.limits import DEFAULT_LIMITS, Limits
 from models.run import Event, Run, Status
+from models.variables import CONTROL_VARIABLES
 
 Array = NDArray[np.float64]
 STATUS_BY_CODE = (
     Status.completed, Status.surface, Status.bed, Status.diverged,
     Status.step_too_small, Status.too_many_steps, Status.cancelled,
 )  # fmt: skip
-EVENT_KINDS = {1: "surface", 2: "bed", 3: "end_of_stroke"}
+EVENT_KINDS = {1: "surface", 2: "bed", 3: "end_of_stroke", 4: "dive", 5: "climb", 6: "waypoint"}
 MAX_EVENTS = 1000
 STATES = {
     "planar": ("x", "z", "theta", "u", "w", "q", "actuator_work", "water_work"),
@@ -66,32 +68,56 @@ def simulate(design: Design, *, limits: Limits = DEFAULT_LIMITS, control: Contro
 
 def run_assembly(assembly: Assembly, *, limits: Limits = DEFAULT_LIMITS, control: Control | None = None) -> Run:
     """Integrate an assembled design and compute its outputs."""
-    design, p = assembly.design, assembly.params
-    mission, solver = design.mission, design.mission.solver
-    n = len(assembly.initial_state)
-    capacity = math.ceil(mission.duration / solver.output_interval) + 2
-    record = make_record(capacity, n, MAX_EVENTS, control.flags if control is not None else np.zeros(2))
+    mission, solver = assembly.design.mission, assembly.design.mission.solver
+    y, p, work = assembly.initial_state.copy(), assembly.params, make_work(assembly)
+    record = make_record(assembly, control)
     began = time.perf_counter()
     code = integrate(
-        solver.method == "adaptive", mission.duration, solver.step, solver.output_interval, limits.steps,
-        assembly.initial_state.copy(), p, make_work(n, len(assembly.cells)), record,
+        solver.method == "adaptive", 0.0, mission.duration, solver.step, solver.output_interval, limits.steps,
+        y, p, work, record,
     )  # fmt: skip
+    finish(record.control[PROGRESS], y, work, record)
+    return make_run(assembly, record, int(code), time.perf_counter() - began)
+
+
+def make_work(assembly: Assembly) -> Work:
+    """Return fresh scratch arrays for a run of a design."""
+    return params.make_work(len(assembly.initial_state), len(assembly.cells))
+
+
+def make_record(assembly: Assembly, control: Control | None = None) -> Record:
+    """Return an empty record with room for a design's mission."""
+    mission = assembly.design.mission
+    capacity = math.ceil(mission.duration / mission.solver.output_interval) + 2
+    shown = 0 if mission.control.controller is None else SHOWN + len(assembly.cells)
+    flags = control.flags if control is not None else np.zeros(2)
+    return params.make_record(capacity, len(assembly.initial_state), MAX_EVENTS, flags, shown=shown)
+
+
+def make_run(assembly: Assembly, record: Record, code: int, elapsed: float) -> Run:
+    """Compute the outputs of what the kernel recorded; `code` is its status, `elapsed` (s) what it took."""
     counts = record.counts
     samples = int(counts[0])
-    times, states = record.times[:samples], record.states[:samples]
-    values, cells = _second_pass(assembly, times, states)
+    values, cells = _second_pass(assembly, record.times[:samples], record.states[:samples])
+    _add_controls(record.controls[:samples], values, cells)
     statistics: dict[str, int | float] = {
-        "steps": int(counts[2]),
-        "rejected_steps": int(counts[3]),
-        "evaluations": int(counts[4]),
-        "elapsed": time.perf_counter() - began,
-    }
+        "steps": int(counts[2]), "rejected_steps": int(counts[3]), "evaluations": int(counts[4]), "elapsed": elapsed,
+    }  # fmt: skip
     status = STATUS_BY_CODE[code]
     return Run(
-        design=design, times=times, values=values, cells=assembly.cells, cell_values=cells, status=status,
-        events=_events(record.events[: counts[1]], assembly.cells), statistics=statistics, kernel=KERNEL_HASH,
-        trouble=_state_name(assembly, int(counts[5])) if status in FAILED else None,
+        design=assembly.design, times=record.times[:samples], values=values, cells=assembly.cells, cell_values=cells,
+        status=status, events=_events(record.events[: counts[1]], assembly.cells), statistics=statistics,
+        kernel=KERNEL_HASH, trouble=_state_name(assembly, int(counts[5])) if status in FAILED else None,
     )  # fmt: skip
+
+
+def _add_controls(controls: Array, values: dict[str, Array], cells: dict[str, Array]) -> None:
+    """Add what the controller showed, and put the commands that it held in place of the schedule's."""
+    if not len(controls):
+        return
+    values |= dict(zip(CONTROL_VARIABLES, controls[:, :SHOWN].T, strict=True))
+    told = controls[:, SHOWN:]
+    cells["command"] = np.where(np.isnan(told), cells["command"], told)
 
 
 def _second_pass(assembly: Assembly, times: Array, states: Array) -> tuple[dict[str, Array], dict[str, Array]]:

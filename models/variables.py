@@ -66,10 +66,24 @@ _SPATIAL_ONLY: dict[str, About] = {
     "bed_force": ("N", "force of the bed, up"),
 }  # fmt: skip
 
+CONTROL_VARIABLES: dict[str, About] = {
+    "phase": ("1", "phase of the glide under control: 0 dive, 1 climb"),
+    "pitch_target": ("rad", "pitch that the controller holds"),
+    "roll_target": ("rad", "bank that the controller holds"),
+    "heading_target": ("rad", "heading that the controller holds"),
+    "heave_wanted": ("N", "net buoyancy wanted of the cells, from neutral, up"),
+    "pitch_moment_wanted": ("N m", "pitch moment wanted of the cells, from neutral, nose up"),
+    "roll_moment_wanted": ("N m", "roll moment wanted of the cells, from neutral, starboard down"),
+    "heave_missing": ("N", "net buoyancy wanted that the cells cannot make"),
+    "pitch_moment_missing": ("N m", "pitch moment wanted that the cells cannot make"),
+    "roll_moment_missing": ("N m", "roll moment wanted that the cells cannot make"),
+    "leg": ("1", "leg of the way, or the set point of state feedback"),
+}
+"""What a controller shows, in the order in which the kernel keeps it; not a number where it does not apply."""
 VARIABLES: dict[str, Mapping[str, About]] = {"planar": _SHARED, "spatial": _SHARED | _SPATIAL_ONLY}
 """Unit and meaning of every variable over time, by model."""
-ALL_VARIABLES = VARIABLES["spatial"]
-"""Those of both models."""
+ALL_VARIABLES = {**VARIABLES["spatial"], **CONTROL_VARIABLES}
+"""Those of both models, and of control."""
 
 _OF_CELLS: dict[str, About] = {
     "command": ("m", "commanded extension"),

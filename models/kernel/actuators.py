@@ -157,21 +157,24 @@ def next_current_time(t, p):
 
 
 @compiled
-def begin_segment(t, y, p, drive):
+def begin_segment(t, y, p, drive, told):
     """Set how every part moves from time t on, and return when that ends (infinity if never).
 
-    A part without rate limit and lag is put on its command here, so `y` may jump.
+    A part follows its schedule, or the command it is `told`, where that is a number. One without rate limit and lag is
+    put on its command here, so `y` may jump.
     """
     drive[p.parts.shape[0], 0] = last_not_above(t + SAME_TIME * max(1.0, abs(t)), p.current_times)
     end = next_current_time(t, p)
     first = p.space[0].extensions
     for i in range(p.parts.shape[0]):
         part = p.parts[i]
-        k = command_row(part, t, p)
-        if k + 1 < part.command_start + part.command_count:
-            end = min(end, p.commands[k + 1, 0])
-        slope = p.commands[k, 2]
-        target = command(part, t, p)
+        if math.isnan(told[i]):
+            k = command_row(part, t, p)
+            if k + 1 < part.command_start + part.command_count:
+                end = min(end, p.commands[k + 1, 0])
+            slope, target = p.commands[k, 2], command(part, t, p)
+        else:
+            slope, target = 0.0, min(max(told[i], part.stop_low), part.stop_high)
         gap = target - y[first + i]
         d = drive[i]
         d[TARGET], d[SLOPE], d[START] = target, slope, t

@@ -1,11 +1,14 @@
-"""Owns events: the body origin reaches the surface or the bed, which may end a run, or a part reaches a stop."""
+"""Owns events: the body origin reaches the surface or the bed, which may end a run, or a part reaches a stop.
+
+A controller adds its own: it begins a dive or a climb, or a leg of its way ends (control.py).
+"""
 
 from __future__ import annotations
 
 from models.kernel.jit import compiled, internal
 from models.kernel.step import interpolate_one, make_dense
 
-NOTHING, SURFACE, BED, STOP = range(4)
+NOTHING, SURFACE, BED, STOP, DIVE, CLIMB, LEG_ENDED = range(7)
 EVENT = 1
 """Where `Record.counts` counts events."""
 SURFACE_SLACK = 1e-9

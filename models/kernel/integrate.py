@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 from models.kernel.actuators import SAME_TIME, begin_segment
+from models.kernel.control import run_controller
+from models.kernel.control_layout import LAST_ERROR, NEXT_STEP, SHOWN
 from models.kernel.events import (
     SURFACE,
     add_event,
@@ -40,14 +42,15 @@ def copy_state(source, target):
 @internal
 def enter_segment(t, y, p, work, record):
     """Begin a segment, charging the actuators for any jump; return when the segment ends."""
-    kinetic, potential = energies(t, y, p)
+    due = run_controller(t, y, p, work, record)
     copy_state(y, work.held)
-    end = begin_segment(t, y, p, work.drive)
+    end = min(begin_segment(t, y, p, work.drive, work.told), due)
     first = p.space[0].extensions
     jumped = False
     for j in range(first, first + p.parts.shape[0]):
         jumped |= work.held[j] != y[j]
     if jumped:
+        kinetic, potential = energies(t, work.held, p)
         kinetic_after, potential_after = energies(t, y, p)
         y[p.space[0].work] += kinetic_after + potential_after - kinetic - potential
         bill_jump(work.held, y, p)
@@ -81,6 +84,17 @@ def all_finite(y):
 
 
 @internal
+def show_controls(row, work, record):
+    """Keep what the controller asks for now, and the commands that it holds."""
+    if record.controls.shape[0] == 0:
+        return
+    for j in range(SHOWN):
+        record.controls[row, j] = work.memory[j]
+    for i in range(work.told.shape[0]):
+        record.controls[row, SHOWN + i] = work.told[i]
+
+
+@internal
 def sample_step(pair, t, h, until, interval, y, work, record):
     """Record the samples that fall into the step from t to `until`, its end excluded.
 
@@ -93,35 +107,43 @@ def sample_step(pair, t, h, until, interval, y, work, record):
         while row < record.times.shape[0] and row * interval < until:
             record.times[row] = row * interval
             interpolate((row * interval - t) / h, y, work.dense, record.states[row])
+            show_controls(row, work, record)
             row += 1
         record.counts[SAMPLES] = row
 
 
-@internal
-def finish(t, y, record):
+@compiled
+def finish(t, y, work, record):
     """Record the last state."""
     row = record.counts[SAMPLES]
     record.times[row] = t
     copy_state(y, record.states[row])
+    show_controls(row, work, record)
     record.counts[SAMPLES] = row + 1
     record.control[PROGRESS] = t
 
 
 @compiled
-def integrate(pair, duration, step, interval, max_steps, y, p, work, record):
-    """Integrate from time 0 to `duration` (s), sampling every `interval` (s); return a status code.
+def integrate(pair, begin, duration, step, interval, max_steps, y, p, work, record):
+    """Integrate from time `begin` to `duration` (s), sampling at multiples of `interval` (s); return a status code.
 
     `pair` chooses the adaptive 5(4) pair, else RK4 takes steps of `step` (s), shortened only to end at a breakpoint.
-    `y` (n,) is the initial state and is advanced in place; `work` and `record` are described in params.py.
+    `y` (n,) is the state and is advanced in place; `work` and `record` are described in params.py. A call that begins
+    where another ended goes on with its step; whoever calls adds the last sample (`finish`).
     """
     counts = record.counts
     last = 6 if pair else 4
-    t, h, previous = 0.0, (min(FIRST_STEP, duration) if pair else step), 1.0
+    t, h, previous = begin, step, 1.0
+    if pair:
+        h = min(FIRST_STEP, duration)
+        if begin > 0.0 and work.clock[NEXT_STEP] > 0.0:
+            h, previous = work.clock[NEXT_STEP], work.clock[LAST_ERROR]
     status = RUNNING
-    note_stops(y, p, work)
+    if begin == 0.0:
+        note_stops(y, p, work)
     while status == RUNNING:
         segment_end = min(enter_segment(t, y, p, work, record), duration)
-        start, taken = t, 0
+        segment_begin, taken = t, 0
         while t < segment_end and status == RUNNING:
             ends_segment = h >= (segment_end - t) * (1.0 - 1e-12)
             size = segment_end - t if ends_segment else h
@@ -152,7 +174,7 @@ def integrate(pair, duration, step, interval, max_steps, y, p, work, record):
                 continue
             taken += 1
             counts[ACCEPTED] += 1
-            reached = segment_end if ends_segment else (t + size if pair else start + taken * step)
+            reached = segment_end if ends_segment else (t + size if pair else segment_begin + taken * step)
             if event_due(y, work.y1, p, work):
                 kind, share = find_event(pair, size, y, p, work)
                 if ends_run(kind, p):
@@ -180,5 +202,6 @@ def integrate(pair, duration, step, interval, max_steps, y, p, work, record):
                 status = TOO_MANY_STEPS
         if status == RUNNING and t >= duration:
             status = COMPLETED
-    finish(t, y, record)
+    work.clock[NEXT_STEP], work.clock[LAST_ERROR] = h, previous
+    record.control[PROGRESS] = t
     return status

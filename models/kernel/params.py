@@ -20,6 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from models.kernel.control_layout import CLOCK, MEASURED, MEMORY, MOST_PENDING
+
 X, Z, THETA, U, W, Q, WORK_ACTUATORS, WORK_WATER = range(8)
 EXTENSIONS = 8
 """Index of the first extension in the state."""
@@ -69,6 +71,12 @@ class Params(NamedTuple):
     water: NDArray[np.float64]  # (levels + 2, 6): z, c0..c3 of the density in powers of depth below z, pressure at z
     current: NDArray[np.float64]  # (times * levels, 9): z, c0..c3 of the velocity north, c0..c3 east
     current_times: NDArray[np.float64]  # (times,) s
+    control: NDArray[np.void]  # (1,) of CONTROL (control_layout.py)
+    cells: NDArray[np.float64]  # (cells under control, 10): rows of allocate.py
+    waypoints: NDArray[np.float64]  # (waypoints, 2): north, east
+    gains: NDArray[np.float64]  # (points, columns): rows of `feed_back` (loops.py)
+    setpoints: NDArray[np.float64]  # (set points, 2): time, value
+    chosen: NDArray[np.int64]  # (states fed back,): what is measured (control_layout.py), or MEASURED + part
 
 
 class Work(NamedTuple):
@@ -81,6 +89,12 @@ class Work(NamedTuple):
     drive: NDArray[np.float64]  # (parts + 1, 5) how each part moves in the present segment (actuators.py)
     at_stop: NDArray[np.int64]  # (parts,) -1, 0, 1: lower stop, between, upper stop
     armed: NDArray[np.int64]  # (2,) whether the surface and the bed may be met anew; at rest there, only once
+    told: NDArray[np.float64]  # (parts,) the command held for a part; NaN where it follows its schedule
+    seen: NDArray[np.float64]  # (MEASURED,) what the controller measures
+    memory: NDArray[np.float64]  # (MEMORY,) what it remembers
+    share: NDArray[np.float64]  # (parts,) of the allocation
+    pending: NDArray[np.float64]  # (MOST_PENDING, parts) commands that wait for their delay
+    clock: NDArray[np.float64]  # (CLOCK,) of the controller and the integrator
 
 
 class Record(NamedTuple):
@@ -91,6 +105,7 @@ class Record(NamedTuple):
     events: NDArray[np.float64]  # (rows, 3) time, kind, part; further stops are not kept once it is full
     counts: NDArray[np.int64]  # (6,) samples, events, accepted steps, rejected steps, evaluations, worst state
     control: NDArray[np.float64]  # (2,) set [0] to stop early; [1] is the time reached, s
+    controls: NDArray[np.float64]  # (samples or 0, SHOWN + parts) the controller's memory, and the commands it holds
 
 
 def make_work(states: int, parts: int) -> Work:
@@ -103,11 +118,18 @@ def make_work(states: int, parts: int) -> Work:
         drive=np.zeros((parts + 1, 5)),
         at_stop=np.zeros(parts, dtype=np.int64),
         armed=np.ones(2, dtype=np.int64),
+        told=np.full(parts, np.nan),
+        seen=np.zeros(MEASURED),
+        memory=np.zeros(MEMORY),
+        share=np.zeros(parts),
+        pending=np.zeros((MOST_PENDING, parts)),
+        clock=np.zeros(CLOCK),
     )
 
 
-def make_record(samples: int, states: int, events: int, control: NDArray[np.float64]) -> Record:
-    """Return an empty record with room for `samples` samples and `events` events."""
+def make_record(samples: int, states: int, events: int, control: NDArray[np.float64], *, shown: int = 0) -> Record:
+    """Return an empty record with room for `samples` samples and `events` events; `shown` numbers of a controller."""
     return Record(
-        np.zeros(samples), np.zeros((samples, states)), np.zeros((events, 3)), np.zeros(6, dtype=np.int64), control
-    )
+        np.zeros(samples), np.zeros((samples, states)), np.zeros((events, 3)), np.zeros(6, dtype=np.int64), control,
+        np.zeros((samples if shown else 0, shown)),
+    )  # fmt: skip

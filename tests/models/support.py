@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from models.assemble import Assembly
 from models.design import Design, parse_design
-from models.kernel.integrate import integrate
+from models.kernel.integrate import PROGRESS, finish, integrate
 from models.kernel.model import derivative, energies
 from models.kernel.params import Params, Work, make_record, make_work
 from models.kernel.step import make_dense, pair_step, rk4_step
@@ -140,10 +140,12 @@ def run_kernel(
     capacity = int(np.ceil(length / solver.output_interval)) + 2
     start = (assembly.initial_state if y is None else y).copy()
     record = make_record(capacity, len(start), 100, np.zeros(2))
+    work = make_work(len(start), len(assembly.cells))
     code = integrate(
-        solver.method == "adaptive", length, solver.step, solver.output_interval, max_steps, start,
-        assembly.params if p is None else p, make_work(len(start), len(assembly.cells)), record,
+        solver.method == "adaptive", 0.0, length, solver.step, solver.output_interval, max_steps, start,
+        assembly.params if p is None else p, work, record,
     )  # fmt: skip
+    finish(record.control[PROGRESS], start, work, record)
     n, events = record.counts[:2]
     return KernelRun(int(code), record.times[:n], record.states[:n], record.events[:events], record.counts)
 

@@ -7,6 +7,7 @@ from hypothesis import given
 from models.assemble import assemble
 from models.design import parse_design
 from models.kernel import params
+from models.kernel.control_layout import CONTROL
 from models.kernel.integrate import integrate
 from models.kernel.outputs import outputs
 from models.kernel.spatial_layout import MEMBER, SPACE
@@ -58,7 +59,7 @@ def test_records_are_of_one_exact_type(design):
     for array in (*assemble(design).params, assemble(design).initial_state):
         assert array.flags.c_contiguous and array.flags.writeable and array.flags.aligned
     kinds = {array.dtype.fields is not None and array.dtype.names for array in assemble(design).params}
-    assert kinds == {False, params.BODY.names, params.PART.names, SPACE.names, MEMBER.names}
+    assert kinds == {False, params.BODY.names, params.PART.names, SPACE.names, MEMBER.names, CONTROL.names}
 
 
 @given(designs())

@@ -1,0 +1,199 @@
+"""Closed-loop runs: guidance and loops do what they say, and a run is the glide that its commands make."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from models.assemble import assemble
+from models.design import Design, parse_design
+from models.presets import load_preset
+from models.problems import DesignError
+from models.run import Run, Status
+from models.simulate import simulate
+
+YOYO = {"kind": "depth_band", "top": 5.0, "bottom": 25.0, "dive_heave": -4.0, "climb_heave": 4.0}
+PITCH = {"dive": -0.35, "loop": {"proportional": 2.0, "integral": 0.05, "derivative": 4.0, "limit": 3.0}}
+HEADING = {
+    "guidance": {"kind": "heading", "heading": 1.0},
+    "roll_loop": {"proportional": 1.0, "integral": 0.02, "derivative": 1.0, "limit": 1.0},
+    "heading_loop": {"proportional": 0.6, "derivative": 3.0, "limit": 0.35},
+}
+
+
+def controlled(duration: float = 900.0, *, preset: str = "quad-bellows-glide", **fields: Any) -> Design:
+    """Return a preset under control instead of its schedules."""
+    document = load_preset(preset).model_dump(mode="json")
+    controller = {"kind": "cascade", "sample_time": 2.0, "vertical": YOYO, "pitch": PITCH} | fields
+    document["mission"]["control"] = {"schedules": [], "controller": controller}
+    document["mission"]["duration"] = duration
+    document["mission"]["solver"]["output_interval"] = 1.0
+    return parse_design(document)
+
+
+@pytest.fixture(scope="module")
+def yo_yo() -> Run:
+    """A yo-yo on a heading, with noisy instruments and a delay."""
+    noise = {"attitude": 0.005, "depth": 0.05, "rate": 0.001, "seed": 3}
+    return simulate(controlled(lateral=HEADING, noise=noise, delay=0.5))
+
+
+def test_a_yo_yo_turns_at_the_edges_of_its_band(yo_yo):
+    turns = [event for event in yo_yo.events if event.kind in ("dive", "climb")]
+    assert [event.kind for event in turns[:3]] == ["climb", "dive", "climb"]
+    for event in turns:
+        z = np.interp(event.time, yo_yo.times, yo_yo.values["z"])
+        wanted = 25.0 if event.kind == "climb" else 5.0
+        # within what it sinks in one sample, and three deviations of the depth's noise
+        assert abs(z - wanted) < 2.0 * 0.3 + 0.15
+    assert yo_yo.status is Status.completed
+    assert yo_yo.relative_residual < 1e-6
+
+
+def test_pitch_and_heading_settle_on_their_targets(yo_yo):
+    dive = (yo_yo.values["phase"] == 0.0) & (yo_yo.times > 150.0) & (yo_yo.times < 220.0)
+    assert yo_yo.values["theta"][dive].mean() == pytest.approx(-0.35, abs=0.02)
+    assert yo_yo.values["psi"][yo_yo.times > 600.0].mean() == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_run_is_the_glide_of_its_own_commands(yo_yo):
+    """The commands that were held, given as a schedule, make the same glide: control adds nothing else."""
+    document = yo_yo.design.model_dump(mode="json")
+    document["mission"]["duration"] = 120.0
+    short = simulate(parse_design(document | {"name": "Under control"}))
+    changes = np.flatnonzero(np.any(np.diff(short.cell_values["command"], axis=0) != 0.0, axis=1)) + 1
+    assert len(changes) > 10
+    controller = document["mission"]["control"].pop("controller")
+    held, step = controller["delay"], controller["sample_time"]
+    document["mission"]["control"]["schedules"] = [
+        {
+            "cell": cell,
+            "points": [
+                # a command reaches the cells half a second after its sample, and is first seen at the next second
+                {"time": step * np.floor(short.times[k] / step) + held, "extension": short.cell_values["command"][k, i]}
+                for k in changes
+            ],
+        }
+        for i, cell in enumerate(short.cells)
+    ]  # fmt: skip
+    again = simulate(parse_design(document))
+    for name in ("x", "y", "z", "theta", "phi", "psi"):
+        np.testing.assert_allclose(again.values[name], short.values[name], atol=2e-6)
+
+
+def test_files_keep_what_the_controller_asked_for(yo_yo, tmp_path):
+    yo_yo.to_netcdf(tmp_path / "run.nc")
+    yo_yo.to_csv(tmp_path / "run.csv")
+    back, table = Run.from_netcdf(tmp_path / "run.nc"), Run.read_csv(tmp_path / "run.csv")
+    assert back.events == yo_yo.events
+    for name in ("phase", "pitch_target", "roll_moment_missing"):
+        np.testing.assert_array_equal(back.values[name], yo_yo.values[name])
+        np.testing.assert_array_equal(table[name].values, yo_yo.values[name])
+
+
+def test_the_same_seed_gives_the_same_run_and_another_seed_another():
+    runs = [
+        simulate(controlled(60.0, noise={"attitude": 0.01, "seed": seed})).cell_values["command"] for seed in (1, 1, 2)
+    ]
+    np.testing.assert_array_equal(runs[0], runs[1])
+    assert np.abs(runs[0] - runs[2]).max() > 1e-4
+
+
+def test_noise_has_the_stated_deviation_and_no_memory():
+    from numba import njit
+
+    from models.kernel.noise import normal
+
+    @njit
+    def draw(seed, count, channel):
+        numbers = np.zeros(count)
+        for k in range(count):
+            numbers[k] = normal(seed, k, channel)
+        return numbers
+
+    numbers = np.array([draw(seed, 20_000, 3) for seed in (0, 1)])
+    # four deviations of the estimates of 20,000 draws
+    np.testing.assert_allclose(numbers.mean(axis=1), 0.0, atol=4.0 / np.sqrt(20_000))
+    np.testing.assert_allclose(numbers.std(axis=1), 1.0, atol=4.0 / np.sqrt(40_000))
+    assert abs(np.corrcoef(numbers)[0, 1]) < 4.0 / np.sqrt(20_000)
+    assert abs(np.corrcoef(numbers[0, 1:], numbers[0, :-1])[0, 1]) < 4.0 / np.sqrt(20_000)
+
+
+def test_a_deadband_leaves_actuators_in_peace():
+    busy, calm = (
+        simulate(controlled(300.0, noise={"attitude": 0.01, "seed": 1}, deadband=d)).cell_values["command"]
+        for d in (0.0, 0.1)
+    )
+    moves = [int(np.sum(np.any(np.diff(c, axis=0) != 0.0, axis=1))) for c in (busy, calm)]
+    assert moves[1] < 0.3 * moves[0]
+
+
+def test_a_planar_glider_holds_its_pitch():
+    pitch = {"dive": -0.5, "loop": {"proportional": 0.02, "integral": 0.004, "derivative": 0.05, "limit": 0.07}}
+    vertical = {"kind": "heave", "heave": -0.15}
+    run = simulate(controlled(60.0, preset="three-cell-glider", vertical=vertical, pitch=pitch, sample_time=0.5))
+    assert run.model == "planar"
+    late = run.times > 0.8 * run.times[-1]
+    assert run.values["theta"][late].mean() == pytest.approx(-0.5, abs=0.02)
+
+
+def test_state_feedback_with_no_gains_holds_its_trim():
+    cells = ["Front port cell", "Rear starboard cell"]
+    point = {"value": 0.0, "extensions": [0.03, 0.06], "state": [0.0], "gains": [[0.0], [0.0]]}
+    document = controlled(150.0).model_dump(mode="json")
+    document["mission"]["control"]["controller"] = {
+        "kind": "state_feedback", "cells": cells, "states": ["theta"], "points": [point],
+    }  # fmt: skip
+    run = simulate(parse_design(document))
+    final = dict(zip(run.cells, run.cell_values["extension"][-1], strict=True))
+    assert [final[name] for name in cells] == pytest.approx([0.03, 0.06], abs=1e-6)
+
+
+def test_set_points_blend_the_table():
+    point = {"state": [0.0], "gains": [[0.0]]}
+    points = [point | {"value": 0.0, "extensions": [0.04]}, point | {"value": 1.0, "extensions": [0.06]}]
+    document = controlled(100.0).model_dump(mode="json")
+    document["mission"]["control"]["controller"] = {
+        "kind": "state_feedback", "sample_time": 2.0, "cells": ["Front port cell"], "states": ["theta"],
+        "points": points, "set_points": [{"time": 0.0, "value": 0.0}, {"time": 100.0, "value": 1.0}],
+    }  # fmt: skip
+    run = simulate(parse_design(document))
+    commands = run.cell_values["command"][:, run.cells.index("Front port cell")]
+    sampled = 2.0 * np.floor(run.times[:-1] / 2.0)  # the run ends before the sample at its end
+    np.testing.assert_allclose(commands[:-1], 0.04 + 2e-4 * sampled, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("fields", "pointer", "words"),
+    [
+        ({"delay": 1000.0}, "/mission/control/controller/delay", "64|63 samples"),
+        (
+            {"allocation": {"cells": ["Tail"]}}, "/mission/control/controller/allocation/cells/0",
+            "no component that moves is named 'Tail'",
+        ),
+        (
+            {"allocation": {"effort": {"Nose": 2.0}}}, "/mission/control/controller/allocation/effort/Nose",
+            "'Nose' is not under control",
+        ),
+    ],
+)  # fmt: skip
+def test_misuse_is_refused_at_the_door(fields, pointer, words):
+    with pytest.raises(DesignError, match=words) as error:
+        assemble(controlled(**fields))
+    assert error.value.problems[0].pointer == pointer
+
+
+def test_a_cell_cannot_follow_both_schedule_and_controller():
+    document = controlled().model_dump(mode="json")
+    document["mission"]["control"]["schedules"] = [
+        {"cell": "Front port cell", "points": [{"time": 1.0, "extension": 0.05}]}
+    ]
+    with pytest.raises(DesignError, match="has a schedule and is under control"):
+        assemble(parse_design(document))
+
+
+def test_a_planar_glider_has_no_bank():
+    with pytest.raises(DesignError, match="no bank and no heading"):
+        assemble(controlled(preset="three-cell-glider", lateral=HEADING))
