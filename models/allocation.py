@@ -146,7 +146,7 @@ def effectiveness(
         cells=tuple(part.name for _, part in chosen),
         units=tuple(extension_unit(part) for _, part in chosen),
         parts=tuple(index for index, _ in chosen),
-        matrix=np.array(columns).reshape(-1, 3).T,
+        matrix=np.array(columns).reshape(-1, 3).T + 0.0,
         low=strokes[:, 0], high=strokes[:, 1],
         neutral=np.array([part.neutral for _, part in chosen], dtype=np.float64),
     )  # fmt: skip

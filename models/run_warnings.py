@@ -1,4 +1,4 @@
-"""Owns what a run gives reason to doubt: data left behind, or a balance of energy that does not close."""
+"""Owns what a run gives reason to doubt: data left behind, energy that does not add up, weight that turns it over."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from models.hydrodynamics import PolarTable
 from models.hydrodynamics_angles import AngleTable
 from models.hydrodynamics_coefficients import CoefficientForm
+from models.margins import down_along, immersed, offset_along
 from models.problems import Problem, pointer_to
 from models.run import Run
 from models.water import profile_range
@@ -21,6 +22,9 @@ MOST_SIDESLIP = np.deg2rad(30.0)
 """Sideslip beyond which a table measured without any says little, rad."""
 MOST_SQUEEZED = 0.1
 """Share of its volume beyond which a part's constant stiffness says little."""
+LEAST_OFFSET = 1e-6
+"""Centres closer than this (m) are one."""
+ROLL_OVER = "weight and buoyancy do not right it in roll"
 LARGEST_RESIDUAL = 1e-3
 """Share of the energy exchanged above which a run is not to be trusted."""
 
@@ -30,6 +34,7 @@ def run_warnings(run: Run) -> Iterator[Problem]:
     yield from inaccurate(run)
     yield from outside_data(run)
     yield from squeezed_too_far(run)
+    yield from turning_over(run)
 
 
 def inaccurate(run: Run) -> Iterator[Problem]:
@@ -156,6 +161,25 @@ def squeezed_too_far(run: Run) -> Iterator[Problem]:
                 "a constant stiffness is meant for a few",
                 limit=MOST_SQUEEZED, hint="give a larger one, or stay shallower",
             )  # fmt: skip
+
+
+def turning_over(run: Run) -> Iterator[Problem]:
+    """Yield a warning where weight and buoyancy turn the glider over rather than right it, in all or in roll."""
+    x, y, z = offset_along(run)
+    kx, ky, kz = down_along(run)
+    below = immersed(run)
+    across = y * ky + z * kz
+    for what, righting in (("the centre of buoyancy lies below that of mass", x * kx + across), (ROLL_OVER, across)):
+        off = below & (righting < -LEAST_OFFSET)
+        if off.any():
+            first = int(off.argmax())
+            yield Problem(
+                "/vehicle/components",
+                f"{what} for {_share(off)} of the run, first at {run.times[first]:.2f} s "
+                f"(by up to {-1e3 * righting[off].min():.3g} mm): it tends to turn over",
+                limit=0.0, hint="place weight lower, or keep the cells that cause it from extending so far",
+            )  # fmt: skip
+            return
 
 
 def sideways_in_table(run: Run, table: PolarTable) -> Iterator[Problem]:
