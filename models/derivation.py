@@ -118,7 +118,12 @@ def euler_lagrange(T: Any, U: Any) -> sp.Matrix:
 
 def equations_of_motion(parts: Sequence[Part], added_mass: sp.Matrix | None = None) -> Equations:
     """Derive M, V, G of Eq. 5 from the energies of the parts and of the added mass, as they come: not simplified."""
-    left = euler_lagrange(kinetic_energy(parts, added_mass), potential_energy(parts))
+    return equations_from(kinetic_energy(parts, added_mass), potential_energy(parts))
+
+
+def equations_from(T: Any, U: Any) -> Equations:
+    """Derive M, V, G of Eq. 5 from T(q, q') and U(q)."""
+    left = euler_lagrange(T, U)
     M = left.jacobian(Q_DDOT)
     at_rest = dict.fromkeys([*Q_DOT, *Q_DDOT], 0)
     G = left.subs(at_rest)

@@ -20,7 +20,8 @@ WRITERS = {".nc": Run.to_netcdf, ".csv": Run.to_csv}
 PROGRESS_EVERY = 0.5
 
 
-def _complain(source: object, problems: tuple[Problem, ...] | str) -> None:
+def complain(source: object, problems: tuple[Problem, ...] | str) -> None:
+    """Print what is wrong on standard error, a line each."""
     for problem in (problems,) if isinstance(problems, str) else problems:
         print(f"{source}: {problem}".replace("\n", " "), file=sys.stderr)
 
@@ -30,16 +31,16 @@ def _read(path: Path) -> Design:
     return loads_design(content)
 
 
-def _load(path: Path) -> Design | int:
+def load(path: Path) -> Design | int:
     """Return the design, or the exit code after saying what is wrong."""
     try:
         design = _read(path)
         assemble(design)
     except DesignError as error:
-        _complain(path, error.problems)
+        complain(path, error.problems)
         return REFUSED
     except OSError as error:
-        _complain(path, error.strerror or str(error))
+        complain(path, error.strerror or str(error))
         return UNUSABLE
     return design
 
@@ -70,9 +71,9 @@ def _simulate_with_progress(design: Design) -> Run:
 def simulate(path: Path, output: Path | None) -> int:
     """Simulate a design file, print how it ended, and write the run."""
     if output is not None and output.suffix not in WRITERS:
-        _complain(output, f"a result is written as {' or '.join(WRITERS)}, not '{output.suffix}'")
+        complain(output, f"a result is written as {' or '.join(WRITERS)}, not '{output.suffix}'")
         return MISUSED
-    design = _load(path)
+    design = load(path)
     if isinstance(design, int):
         return design
     run = _simulate_with_progress(design)
@@ -81,7 +82,7 @@ def simulate(path: Path, output: Path | None) -> int:
         try:
             WRITERS[output.suffix](run, output)
         except OSError as error:
-            _complain(output, error.strerror or str(error))
+            complain(output, error.strerror or str(error))
             return UNUSABLE
         print(f"written     {output}")
     return DONE if run.status in {Status.completed, Status.surface, Status.bed} else STOPPED
@@ -125,7 +126,7 @@ def _print_spatial(run: Run, final: dict[str, float]) -> None:
 
 def validate(path: Path) -> int:
     """Check a design file and print its identity, or what is wrong."""
-    design = _load(path)
+    design = load(path)
     if isinstance(design, int):
         return design
     print(f"valid: {design.name}, {len(design.vehicle.components)} components, identity {design.identity[:16]}")
@@ -143,6 +144,6 @@ def presets(preset_id: str | None) -> int:
     try:
         print(load_preset(preset_id).to_json(), end="")
     except KeyError:
-        _complain(preset_id, f"no such preset; there are {', '.join(preset_ids())}")
+        complain(preset_id, f"no such preset; there are {', '.join(preset_ids())}")
         return REFUSED
     return DONE
