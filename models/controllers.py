@@ -7,6 +7,7 @@ those with every cell at neutral.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
@@ -315,3 +316,14 @@ class StateFeedback(_Sampled):
 
 
 Controller = Annotated[Cascade | StateFeedback, Field(discriminator="kind")]
+
+
+def names_under_control(controller: Controller | None, moving: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of the cells that a controller commands, of those that move."""
+    match controller:
+        case None:
+            return ()
+        case Cascade():
+            return controller.allocation.cells if controller.allocation.cells is not None else tuple(moving)
+        case StateFeedback():
+            return controller.cells

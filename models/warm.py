@@ -1,6 +1,7 @@
 """Owns the compilation of the kernel: started once in the background, so that a page can be up and say so.
 
-On a machine's first start a process of its own compiles: within this one the compiler would hold up every answer.
+On a machine's first start processes of their own compile: within this one the compiler would hold up every answer. What
+simulates comes first, then what analyses (trim, linear models).
 """
 
 from __future__ import annotations
@@ -20,43 +21,81 @@ from models.simulate import simulate
 
 log = logging.getLogger(__name__)
 
-_lock = threading.Lock()
-_ready = threading.Event()
+PRESETS = ("canete-dual-bellows", "quad-bellows-glide")
+"""One of each model."""
+ANALYSES_DONE = CACHE_FOLDER / "analyses"
+"""Stands in the cache once the analyses are compiled too."""
+_lock, _analyses_lock = threading.Lock(), threading.Lock()
+_ready, _analyses_ready = threading.Event(), threading.Event()
 
 
 def kernel_is_ready() -> bool:
-    """Whether the kernel is compiled (or loaded from its cache) in this process."""
+    """Whether what simulates is compiled (or loaded from its cache) in this process."""
     return _ready.is_set()
 
 
 def warm_kernel() -> None:
-    """Compile the kernel or load it from its cache; returns once it is ready. Safe to call from any thread."""
+    """Compile what simulates or load it from its cache; returns once it is ready. Safe to call from any thread."""
     with _lock:
         if not _ready.is_set():
-            if not CACHE_FOLDER.exists() and not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
-                _compile_elsewhere()
+            if not CACHE_FOLDER.exists() and _compiles():
+                _elsewhere("compile_here")
             compile_here()
             _ready.set()
 
 
+def warm_analyses() -> None:
+    """Compile what analyses, after what simulates; returns once it is in the cache. Safe to call from any thread."""
+    if _analyses_ready.is_set():
+        return
+    warm_kernel()
+    with _analyses_lock:
+        if not _analyses_ready.is_set():
+            if not ANALYSES_DONE.exists() and _compiles():
+                _elsewhere("compile_analyses_here")
+            _analyses_ready.set()
+
+
 def warm_kernel_in_background() -> threading.Thread:
-    """Start `warm_kernel` in a thread of its own and return that."""
-    thread = threading.Thread(target=warm_kernel, name="kernel-warm-up", daemon=True)
+    """Start `warm_analyses`, and so `warm_kernel`, in a thread of its own and return that."""
+    thread = threading.Thread(target=warm_analyses, name="kernel-warm-up", daemon=True)
     thread.start()
     return thread
 
 
-def _compile_elsewhere() -> None:
+def _compiles() -> bool:
+    return not numba.config.DISABLE_JIT  # type: ignore[attr-defined]
+
+
+def _elsewhere(function: str) -> None:
     """Fill the cache from another process; where that fails, this one compiles for itself."""
     root = str(Path(__file__).parents[1])
     path = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
-    command = [sys.executable, "-c", "from models.warm import compile_here; compile_here()"]
+    command = [sys.executable, "-c", f"from models.warm import {function}; {function}()"]
     done = subprocess.run(command, env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         log.warning("the kernel could not be compiled in a process of its own: %s", done.stderr.strip()[-500:])
 
 
 def compile_here() -> None:
-    """Compile the kernel in this process, or load it from its cache, and leave it there: both models."""
-    for preset_id in ("canete-dual-bellows", "quad-bellows-glide"):
+    """Compile what simulates in this process, or load it from its cache, and leave it there: both models."""
+    for preset_id in PRESETS:
         simulate(load_preset(preset_id))
+
+
+def compile_analyses_here() -> None:
+    """Compile what analyses in this process, or load it from its cache, and leave it there."""
+    from models.allocation import allocate, effectiveness
+    from models.linearize import linearize
+    from models.root_locus import point_of
+    from models.targeted_trim import TrimFailure, trim_for
+
+    for preset_id in PRESETS:
+        design = load_preset(preset_id)
+        cells = effectiveness(design)
+        allocate(cells, (0.0, 0.0, 0.0))
+        found = trim_for(design, {"glide_angle": -0.5}, cells.cells)
+        if not isinstance(found, TrimFailure):
+            linearize(design, point_of(found))
+    if _compiles():
+        ANALYSES_DONE.touch()

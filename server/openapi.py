@@ -11,6 +11,8 @@ from pydantic.json_schema import models_json_schema
 from server.errors import PROBLEM_JSON
 from server.examples import load_examples
 from server.schemas import REQUESTS
+from server.schemas_analyses import ANALYSIS_REQUESTS
+from server.schemas_linear import LINEAR_REQUESTS
 
 REF = "#/components/schemas/{model}"
 PROBLEM_REF = {"$ref": "#/components/schemas/ProblemDocument"}
@@ -63,7 +65,9 @@ class DocumentedApi(FastAPI):
 
 
 def _complete(document: dict[str, Any], schemas: dict[str, Any]) -> None:
-    _, requests = models_json_schema([(model, "validation") for model in REQUESTS], ref_template=REF)
+    _, requests = models_json_schema(
+        [(model, "validation") for model in (*REQUESTS, *ANALYSIS_REQUESTS, *LINEAR_REQUESTS)], ref_template=REF
+    )
     schemas.update(requests["$defs"])
     for name in ("HTTPValidationError", "ValidationError"):
         schemas.pop(name, None)

@@ -44,9 +44,10 @@ export class Lane {
     if (this.settled) this.draft = null;
     this.root.style.setProperty("--cell", schedule.color);
     this.root.dataset.testid = `lane-${schedule.cell}`;
-    attributes(this.name, { title: `${schedule.cell}: show in the editor` });
+    attributes(this.name, { title: `${schedule.cell}${schedule.controlled ? " (under control)" : ""}: show in the editor` });
     this.name.replaceChildren(swatch(schedule.color), el("span", {}, schedule.cell));
-    attributes(this.svg, { "aria-label": `${schedule.cell} schedule. Double-click adds a point.` });
+    const how = schedule.controlled ? "under control" : "schedule. Double-click adds a point";
+    attributes(this.svg, { "aria-label": `${schedule.cell} ${how}.` });
     this.draw();
   }
 
@@ -90,10 +91,20 @@ export class Lane {
     setText(this.symbol, this.unit.symbol);
     setText(this.high, fixed(high * this.unit.per, digits));
     setText(this.low, fixed(low * this.unit.per, digits));
-    const corners = commandCorners(this.points, this.startValue(), scale.end);
-    this.command.setAttribute("d", this.pathOf(corners.map((c) => c[0]), corners.map((c) => c[1])));
+    this.command.setAttribute("d", this.commandPath());
     this.actual.setAttribute("d", this.cell ? this.pathOf(this.run.columns.t, this.cell.extension) : "");
     this.drawPoints();
+  }
+
+  // Under control the command is what the run held: steps from sample to sample. Else it is the schedule's.
+  commandPath() {
+    if (this.schedule.controlled && this.cell) {
+      const { t } = this.run.columns;
+      const held = t.flatMap((time, i) => (i ? [time, time] : [time]));
+      return this.pathOf(held, this.cell.command.flatMap((e, i) => (i ? [this.cell.command[i - 1], e] : [e])));
+    }
+    const corners = commandCorners(this.points, this.startValue(), this.scale.end);
+    return this.pathOf(corners.map((c) => c[0]), corners.map((c) => c[1]));
   }
 
   pathOf(times, values) {

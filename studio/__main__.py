@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
+from studio.analysis_arguments import ANALYSES, add_analyses
+from studio.commands_equations import add_equations, equations
 from studio.exit_codes import DONE, MEANING, STOPPED
 
 ATTACHED = {
@@ -94,6 +96,12 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     _add_attach(attaching)
+    add_equations(
+        commands.add_parser(
+            "equations", help="derive a design's own equations of motion and print them", epilog=MEANING
+        )
+    )
+    add_analyses(commands, epilog=MEANING)
     presets = commands.add_parser("presets", help="list the presets, or print one as JSON", epilog=MEANING)
     presets.add_argument("preset", nargs="?", help="print this preset's design document")
     return parser
@@ -113,6 +121,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from studio.attach import attach
 
             return attach(options)
+        if options.command == "equations":
+            return equations(options)
+        if options.command in ANALYSES:
+            from studio.commands_analyses import run_analysis
+
+            return run_analysis(options)
         from studio import commands
 
         if options.command == "simulate":

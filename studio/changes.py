@@ -15,6 +15,7 @@ from models.problems import DesignError, Problem, pointer_to
 from models.volumes import volume
 from models.water import surface_density
 from studio.bodies import drawn_extent
+from studio.control_changes import removed_from_control, renamed_in_control
 
 Operation = dict[str, Any]
 Patch = list[Operation]
@@ -140,7 +141,7 @@ def index_of(design: Design, name: str) -> int:
 
 
 def renamed(design: Design, index: int, name: Any) -> Patch:
-    """Return the patch that renames a component, its schedules and its initial extension."""
+    """Return the patch that renames a component, in schedules, in a controller and in the initial extensions too."""
     old = component_at(design, index).name
     patch: Patch = [{"op": "replace", "path": pointer_to("vehicle", "components", index, "name"), "value": name}]
     if not isinstance(name, str) or name == old:
@@ -149,6 +150,7 @@ def renamed(design: Design, index: int, name: Any) -> Patch:
         if schedule.cell == old:
             path = pointer_to("mission", "control", "schedules", i, "cell")
             patch.append({"op": "replace", "path": path, "value": name})
+    patch += renamed_in_control(design, old, name)
     if old in design.mission.initial.extensions:
         folder = ("mission", "initial", "extensions")
         patch.append({"op": "move", "from": pointer_to(*folder, old), "path": pointer_to(*folder, name)})
@@ -156,7 +158,10 @@ def renamed(design: Design, index: int, name: Any) -> Patch:
 
 
 def removed(design: Design, index: int) -> Patch:
-    """Return the patch that removes a component, its schedules and its initial extension."""
+    """Return the patch that removes a component, its schedules and its initial extension.
+
+    A controller does without it; one that fed its gains back is removed.
+    """
     name = component_at(design, index).name
     if len(design.vehicle.components) == 1:
         hint = "add another component first"
@@ -165,6 +170,7 @@ def removed(design: Design, index: int) -> Patch:
     schedules = design.mission.control.schedules
     for i in reversed([i for i, schedule in enumerate(schedules) if schedule.cell == name]):
         patch.append({"op": "remove", "path": pointer_to("mission", "control", "schedules", i)})
+    patch += removed_from_control(design, name)
     if name in design.mission.initial.extensions:
         patch.append({"op": "remove", "path": pointer_to("mission", "initial", "extensions", name)})
     return patch

@@ -17,6 +17,8 @@ PATH, BEACON = "#f3f7fb", "#ef5b6f"
 WATER_TOP, WATER_BOTTOM = "#397fa5", "#0f2a45"
 DEPTH_LINE, WALL_LINE = "#7fb2cf", "#4d86a8"
 SURFACE, BED = "#8fd0ee", "#4a463c"
+PLOT_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5a5a5a")
+"""Lines on white paper, apart for each kind of colour blindness (Okabe, Ito, 2008)."""
 
 
 def rgb(color: str) -> Rgb:

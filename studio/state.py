@@ -7,6 +7,7 @@ from typing import Any
 from pydantic_core import to_json
 
 from models.components import Rigid, RollingMass, extension_unit
+from models.controllers import names_under_control
 from models.design import Design
 from models.mass_properties import initial_extensions, mass_balance
 from models.problems import Problem
@@ -103,13 +104,19 @@ def _components(design: Design, colors: list[str]) -> list[dict[str, Any]]:
 def _schedules(design: Design, colors: list[str]) -> list[dict[str, Any]]:
     by_name: dict[str, tuple[int, Schedule]] = {s.cell: (i, s) for i, s in enumerate(design.mission.control.schedules)}
     start = initial_extensions(design)
+    controlled = names_under_control(
+        design.mission.control.controller, [part.name for _, part in design.vehicle.actuated]
+    )
     rows = []
     for i, part in design.vehicle.actuated:
         index, schedule = by_name.get(part.name, (None, None))
         points = [] if schedule is None else [p.model_dump() for p in schedule.points]
         rows.append(
-            {"index": index, "cell": part.name, "color": colors[i], "points": points, "initial": start[part.name]}
-        )
+            {
+                "index": index, "cell": part.name, "color": colors[i], "points": points, "initial": start[part.name],
+                "controlled": part.name in controlled,
+            }
+        )  # fmt: skip
     return rows
 
 

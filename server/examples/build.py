@@ -92,7 +92,7 @@ def example_requests() -> dict[str, dict[str, Any]]:
     add = [{"op": "add", "path": "/vehicle/components/-", "value": THIRD_CELL}]
     first_cell = next(c.name for _, c in example_design().vehicle.actuated)
     options = {"max_points": 5, "columns": ["x", "z", "theta", "extension"]}
-    return {
+    requests: dict[str, dict[str, Any]] = {
         "get_health": {"at": ("GET", "/healthz")},
         "list_presets": {"at": ("GET", f"{API}/presets")},
         "get_preset": {"at": ("GET", f"{API}/presets/{{preset_id}}"), "parameters": {"preset_id": PRESET}},
@@ -115,12 +115,41 @@ def example_requests() -> dict[str, dict[str, Any]]:
             "request": {"design": design, "options": {"extensions": {first_cell: 0.02}}},
         },
     }  # fmt: skip
+    return requests | _analysis_requests(design, first_cell)
+
+
+def _analysis_requests(design: dict[str, Any], first_cell: str) -> dict[str, dict[str, Any]]:
+    """Return the examples of analyses: a glide 30 deg down, and what follows from it."""
+    heavy: dict[str, Any] = {"targets": {"glide_angle": -0.5, "speed": 0.2}}
+    options: dict[str, dict[str, Any]] = {
+        "trim": heavy,
+        "polar": {"points": 3},
+        "linearize": heavy | {
+            "responses": [{"input": f"command of {first_cell}", "output": "theta"}], "frequencies": [0.1, 1.0],
+        },
+        "stability": {"samples": 3, "max_points": 3},
+        "allocation": {"wanted": {"heave": -0.05, "pitch": 0.01}},
+    }  # fmt: skip
+    return {
+        f"analyze_{name}": {
+            "at": ("POST", f"{API}/analyses:{name}"), "request": {"design": design, "options": chosen},
+        }
+        for name, chosen in options.items()
+    }  # fmt: skip
 
 
 def _shortened(name: str, response: Any) -> Any:
     if name == "get_design_schema":
         # the whole of it is what the operation answers; an example needs its beginning
         return {key: response[key] for key in ("$schema", "title", "type", "required")}
+    if name == "analyze_linearize":
+        # eigenvectors and cosines of modes that lie close together depend on rounding: names and growth tell enough
+        kept = ("name", "real", "imag", "period", "damping_ratio", "time_constant")
+        modes = [{key: mode[key] for key in kept} for mode in response["modes"]["modes"]]
+        reach = {key: response["controllability"][key] for key in ("inputs", "states", "rank", "unmoved", "words")}
+        return response | {"modes": response["modes"] | {"modes": modes}, "controllability": reach}
+    if name == "analyze_allocation":
+        return {key: value for key, value in response.items() if key != "directions"}  # equal values: any will do
     return response
 
 
