@@ -20,7 +20,7 @@ from models.allocation import Effectiveness
 from models.assemble import Assembly
 from models.components import MovableMass, RollingMass
 from models.design import Design
-from models.kernel.steady import ROWS, TURN
+from models.kernel.steady import HEAVE, ROWS, SURGE, TURN
 from models.polar_sweep import NO_AUTHORITY, CellSetter, Swept, sweep_pitch, sweep_roll
 from models.problems import DesignError, Problem, pointer_to
 from models.steady_problem import SteadyProblem, assembly_of, steady_problem
@@ -30,6 +30,10 @@ Array = NDArray[np.float64]
 MOST_POINTS = 2000
 LEVELS = (0.25, 0.5, 0.75, 1.0)
 """Heave levels of the envelope, as shares of the largest heave to either side."""
+GLIDING = math.radians(25.0)
+"""A turn at a larger angle of attack is a stalled fall, tighter than any glide, and not counted as one, rad."""
+TURNING_STARTS = 9
+"""Glides of each curve that are rolled to find the tightest turn."""
 CYCLE_DEPTH = 200.0
 """Depth of a dive cycle where none is stated, m; a shallower bed ends it there."""
 
@@ -68,7 +72,8 @@ class GlidePolar:
 
     `best_range` has the flattest path, `slowest_sink` the least vertical speed of the dives of all levels,
     `best_energy` the least energy per kilometre, `tightest_turn` the smallest radius as the cells' rolling moment goes
-    to its stops (None without any, and for a planar design). `energy` says in words what the bill assumes.
+    to its stops, up to `GLIDING` of attack (None without any, and for a planar design). `energy` says in words what the
+    bill assumes.
     """
 
     cells: tuple[str, ...]
@@ -268,7 +273,7 @@ def _water(problem: SteadyProblem, depth: float) -> tuple[float, float]:
 
 
 def _tightest_turn(setter: CellSetter, found: Sequence[tuple[PolarCurve, Swept]]) -> Trim | None:
-    """Return the turn of the smallest radius from the flattest, a middle and the steepest glide of every curve."""
+    """Return the turn of the smallest radius from some glides of every curve, the flattest to the steepest."""
     problem = setter.problem
     low, high = setter.ends(2, (0.0, 0.0, 0.0))
     if not problem.spatial or high - low <= NO_AUTHORITY * problem.weight:
@@ -276,9 +281,11 @@ def _tightest_turn(setter: CellSetter, found: Sequence[tuple[PolarCurve, Swept]]
     turns: list[Array] = []
     for curve, swept in found:
         order = sorted(range(len(curve.points)), key=lambda i: abs(curve.points[i].glide_angle))
-        for i in {order[0], order[len(order) // 2], order[-1]} if order else ():
+        chosen = np.linspace(0, len(order) - 1, min(TURNING_STARTS, len(order))).round().astype(int)
+        for i in {order[k] for k in chosen}:
             turns += sweep_roll(setter, swept.motions[i], curve.heave, float(swept.moments[i]))
-    tightest = sorted((s for s in turns if abs(s[TURN]) > STRAIGHT), key=lambda s: _radius(problem, s))
+    gliding = (s for s in turns if abs(s[TURN]) > STRAIGHT and abs(math.atan2(s[HEAVE], s[SURGE])) <= GLIDING)
+    tightest = sorted(gliding, key=lambda s: _radius(problem, s))
     for s in tightest:
         if (trim := trim_of(problem, s)).stable:
             return trim

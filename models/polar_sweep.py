@@ -16,8 +16,8 @@ from models.kernel.steady import EXTENSIONS, HEAVE, PITCH, ROLL, SURGE, TURN
 from models.steady_problem import ALL_LOADS, IN_PLANE, IN_PLANE_LOADS, IN_SPACE, LEAST_NET, SteadyProblem
 
 Array = NDArray[np.float64]
-GRID = 361
-"""Angles of attack at which the forces are balanced for one curve; squared spacing, finest about zero."""
+GRID = 721
+"""Angles of attack at which the forces are balanced for one curve; cubed spacing, finest about zero."""
 STEEPEST = math.radians(89.0)
 """Attitudes steeper than this are left out: there the moment of a cell along the hull vanishes."""
 FIRM = 1e3
@@ -92,7 +92,7 @@ def sweep_pitch(setter: CellSetter, heave: float, points: int) -> Swept:
         return _none(middle, points, UNDRIVEN)
     at_middle = float(setter.reached(middle)[1])
     t = np.linspace(-1.0, 1.0, GRID + 1)
-    alphas = 0.5 * math.pi * np.sign(t) * t * t
+    alphas = 0.5 * math.pi * t**3
     found = problem.balanced_along(alphas, middle)
     pitch = np.array([math.remainder(angle, 2.0 * math.pi) for angle in found[:, 1]])
     upright = (np.abs(pitch) < STEEPEST) & (found[:, 3] < 1e-6)
@@ -104,7 +104,7 @@ def sweep_pitch(setter: CellSetter, heave: float, points: int) -> Swept:
         within = np.flatnonzero((above[:-1] != above[1:]) & upright[:-1] & upright[1:])
     if not len(within):
         return _none(middle, points, OUT_OF_REACH)
-    chosen = within[np.unique(np.linspace(0, len(within) - 1, points).round().astype(int))]
+    chosen = within[_evenly(found[within, 0], pitch[within] - alphas[within], points)]
     moments = np.clip(needed[chosen], low, high)
     seeds = np.zeros((len(chosen), EXTENSIONS + len(middle)))
     seeds[:, PITCH] = pitch[chosen]
@@ -114,6 +114,13 @@ def sweep_pitch(setter: CellSetter, heave: float, points: int) -> Swept:
     met = _settled(problem, seeds)
     left = Counter({OUT_OF_REACH: points - len(chosen), NOT_FOUND: int((~met).sum())})
     return Swept(seeds[met], moments[met], {reason: count for reason, count in left.items() if count})
+
+
+def _evenly(speed: Array, path: Array, points: int) -> NDArray[np.intp]:
+    """Return the indices of points that lie evenly along the curve of vertical over horizontal speed."""
+    steps = np.hypot(np.diff(speed * np.cos(path)), np.diff(speed * np.sin(path)))
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+    return np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], points) * (1.0 - 1e-12)))
 
 
 def _none(extensions: Array, points: int, reason: str) -> Swept:

@@ -110,10 +110,10 @@ def _parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit code."""
     options = _parser().parse_args(arguments)
+    # matrices here are small: threads of the linear algebra library would only spin
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         if options.command == "serve":
-            # matrices here are 6x6 at most: threads of the linear algebra library would only spin
-            os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
             from studio.serve import serve
 
             return serve(host=options.host, port=options.port, data=options.data)

@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 
 from models.assemble import Assembly, assemble
 from models.energy import energy_bill
-from models.glide_polar import GlidePolar, PolarCurve, glide_polar, polar_curve
+from models.glide_polar import GLIDING, GlidePolar, PolarCurve, glide_polar, polar_curve
 from models.mass_properties import mass_balance
 from models.presets import load_preset
 from models.problems import DesignError
@@ -136,7 +136,8 @@ def test_the_tightest_turn_turns_with_a_cell_at_a_stop_or_the_roll_used_up(quad)
     ]  # fmt: skip
     assert at_stop
     run = simulate(design_from(turn, design).model_copy())
-    assert run.values["turn_radius"][5] == pytest.approx(turn.turn_radius, rel=1e-6)
+    assert run.values["turn_radius"][5] == pytest.approx(abs(turn.turn_radius), rel=1e-6)
+    assert abs(turn.angle_of_attack) <= GLIDING
 
 
 def test_the_seawing_turns_tightest_with_its_battery_at_the_stop():
