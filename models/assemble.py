@@ -123,8 +123,7 @@ def _body(design: Design, lookup_scale: float) -> NDArray[np.void]:
         "reference_z": table.reference_point[2],
         "lookup_scale": lookup_scale,
     }  # fmt: skip
-    body = np.array([tuple(float(values[name]) for name in BODY.names or ())], dtype=BODY)
-    return body.view(np.recarray)
+    return np.array([tuple(float(values[name]) for name in BODY.names or ())], dtype=BODY)
 
 
 def _sliding(design: Design) -> set[str]:
@@ -151,7 +150,7 @@ def _parts(design: Design, parts: list[Actuated], laws: list[Array], commands: l
         record["command_start"], record["command_count"] = command_start, len(rows)
         law_start += len(law)
         command_start += len(rows)
-    return records.view(np.recarray)
+    return records
 
 
 def _schedule_of(design: Design, name: str) -> Schedule | None:

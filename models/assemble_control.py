@@ -63,7 +63,7 @@ def control_records(design: Design) -> dict[str, Any]:
                 arrays |= _table(design, controller)
     for name, value in values.items():
         record[name] = value
-    return arrays | {"control": record.view(np.recarray)}
+    return arrays | {"control": record}
 
 
 def controlled_cells(design: Design, controller: Controller) -> Effectiveness:

@@ -105,7 +105,7 @@ def _space(design: Design, parts: list[Actuated], top: float, spacing: float, le
     space = np.zeros(1, dtype=SPACE)
     for name, value in values.items():
         space[name] = value
-    return space.view(np.recarray)
+    return space
 
 
 def _still_mass(design: Design) -> dict[str, float]:
@@ -208,7 +208,7 @@ def _members(design: Design, parts: list[Actuated]) -> NDArray[np.void]:
         else:
             record["per_bulk"] = 0.0 if part.bulk_modulus is None else 1.0 / part.bulk_modulus
             record["half_height"] = _half_height(design, part)
-    return records.view(np.recarray)
+    return records
 
 
 def _place_mass(record: Any, part: MovableMass | RollingMass, axis: Array) -> None:

@@ -85,11 +85,14 @@ def make_work(assembly: Assembly) -> Work:
     return params.make_work(len(assembly.initial_state), len(assembly.cells))
 
 
-def make_record(assembly: Assembly, control: Control | None = None) -> Record:
-    """Return an empty record with room for a design's mission."""
+def make_record(assembly: Assembly, control: Control | None = None, *, keeps_commands: bool = False) -> Record:
+    """Return an empty record with room for a design's mission.
+
+    It keeps what a controller of the design shows, and, with that or with `keeps_commands`, the commands that are held.
+    """
     mission = assembly.design.mission
     capacity = math.ceil(mission.duration / mission.solver.output_interval) + 2
-    shown = 0 if mission.control.controller is None else SHOWN + len(assembly.cells)
+    shown = SHOWN + len(assembly.cells) if keeps_commands or mission.control.controller is not None else 0
     flags = control.flags if control is not None else np.zeros(2)
     return params.make_record(capacity, len(assembly.initial_state), MAX_EVENTS, flags, shown=shown)
 
@@ -99,7 +102,11 @@ def make_run(assembly: Assembly, record: Record, code: int, elapsed: float) -> R
     counts = record.counts
     samples = int(counts[0])
     values, cells = _second_pass(assembly, record.times[:samples], record.states[:samples])
-    _add_controls(record.controls[:samples], values, cells)
+    if len(record.controls):
+        told = record.controls[:samples, SHOWN:]
+        cells["command"] = np.where(np.isnan(told), cells["command"], told)
+    if assembly.design.mission.control.controller is not None:
+        values |= dict(zip(CONTROL_VARIABLES, record.controls[:samples, :SHOWN].T, strict=True))
     statistics: dict[str, int | float] = {
         "steps": int(counts[2]), "rejected_steps": int(counts[3]), "evaluations": int(counts[4]), "elapsed": elapsed,
     }  # fmt: skip
@@ -109,15 +116,6 @@ def make_run(assembly: Assembly, record: Record, code: int, elapsed: float) -> R
         status=status, events=_events(record.events[: counts[1]], assembly.cells), statistics=statistics,
         kernel=KERNEL_HASH, trouble=_state_name(assembly, int(counts[5])) if status in FAILED else None,
     )  # fmt: skip
-
-
-def _add_controls(controls: Array, values: dict[str, Array], cells: dict[str, Array]) -> None:
-    """Add what the controller showed, and put the commands that it held in place of the schedule's."""
-    if not len(controls):
-        return
-    values |= dict(zip(CONTROL_VARIABLES, controls[:, :SHOWN].T, strict=True))
-    told = controls[:, SHOWN:]
-    cells["command"] = np.where(np.isnan(told), cells["command"], told)
 
 
 def _second_pass(assembly: Assembly, times: Array, states: Array) -> tuple[dict[str, Array], dict[str, Array]]:

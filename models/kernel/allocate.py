@@ -17,6 +17,7 @@ HEAVE, PITCH, ROLL, PREFERRED, LOW, HIGH, EFFORT, SPAN, PART, BASE, COLUMNS = ra
 span (m or rad), the index of the part, and its base extension. `COLUMNS` is how many there are."""
 ITERATIONS = 60
 ENOUGH = 1e-14
+ROUNDING = 1e-15
 
 
 @internal
@@ -83,6 +84,7 @@ def allocate(cells, bx, by, bz, out):
         gx, gy, gz = lx - bx, ly - by, lz - bz
         hxx = hyy = hzz = 1.0
         hxy = hxz = hyz = 0.0
+        rounding = 0.0
         for i in range(cells.shape[0]):
             row = cells[i]
             x, free = pulled(row, lx, ly, lz)
@@ -97,7 +99,8 @@ def allocate(cells, bx, by, bz, out):
             hxy += per * ax * ay
             hxz += per * ax * az
             hyz += per * ay * az
-        if abs(gx) + abs(gy) + abs(gz) <= enough:
+            rounding += per * (abs(ax) + abs(ay) + abs(az)) * (abs(ax * lx) + abs(ay * ly) + abs(az * lz))
+        if abs(gx) + abs(gy) + abs(gz) <= enough + ROUNDING * rounding:
             break
         dx, dy, dz = solve_symmetric(hxx, hxy, hxz, hyy, hyz, hzz, -gx, -gy, -gz)
         share = lowest_along(cells, (bx, by, bz), (lx, ly, lz), (dx, dy, dz))

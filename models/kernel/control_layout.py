@@ -32,7 +32,7 @@ _CONTROL_REALS = (
     "heave_scale", "pitch_scale", "roll_scale",
 )  # fmt: skip
 _CONTROL_INTEGERS = ("kind", "seed", "vertical", "holds_pitch", "lateral", "repeats", "starts_climbing", "integrals")
-CONTROL = np.dtype([(n, np.float64) for n in _CONTROL_REALS] + [(n, np.int64) for n in _CONTROL_INTEGERS])
+CONTROL = np.dtype((np.record, [(n, np.float64) for n in _CONTROL_REALS] + [(n, np.int64) for n in _CONTROL_INTEGERS]))
 """Scalars of the controller. `*_scale` is by what a wish is multiplied for the allocation; `unwind` (1/s) how fast an
 integral gives back what the cells cannot do."""
 

@@ -34,8 +34,10 @@ _BODY_FIELDS = (
     "d11", "d33", "d55",
     "force_scale", "reference_x", "reference_z", "lookup_scale",
 )  # fmt: skip
-BODY = np.dtype([(name, np.float64) for name in _BODY_FIELDS])
-"""Scalars of the run. Masses, moments and volumes are those of all parts that do not move."""
+BODY = np.dtype((np.record, [(name, np.float64) for name in _BODY_FIELDS]))
+"""Scalars of the run. Masses, moments and volumes are those of all parts that do not move.
+
+One dtype object serves all assemblies: the compiler's dispatcher compares objects first, and fields one by one else."""
 
 _PART_REALS = (
     "axis_x", "axis_z", "neutral", "stop_low", "stop_high", "rate", "inverse_lag",
@@ -43,7 +45,7 @@ _PART_REALS = (
     "x", "z", "core_volume", "grows",
 )  # fmt: skip
 _PART_INTEGERS = ("law_start", "law_count", "command_start", "command_count")
-PART = np.dtype([(n, np.float64) for n in _PART_REALS] + [(n, np.int64) for n in _PART_INTEGERS])
+PART = np.dtype((np.record, [(n, np.float64) for n in _PART_REALS] + [(n, np.int64) for n in _PART_INTEGERS]))
 """One actuated part: its axis, stops, actuator, the mass that slides, and the cell that grows about (x, z)."""
 
 

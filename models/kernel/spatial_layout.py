@@ -35,7 +35,7 @@ _SPACE_REALS = (
     "rate_none", "rate_speed", "rate_speed2",
 )  # fmt: skip
 _SPACE_INTEGERS = ("spatial", "depth", "work", "extensions", "surface_ends", "bed_ends", "source", "levels")
-SPACE = np.dtype([(n, np.float64) for n in _SPACE_REALS] + [(n, np.int64) for n in _SPACE_INTEGERS])
+SPACE = np.dtype((np.record, [(n, np.float64) for n in _SPACE_REALS] + [(n, np.int64) for n in _SPACE_INTEGERS]))
 """Scalars of the run. Masses and moments are those of all parts that do not move; `spatial`, `depth`, `work` and
 `extensions` tell the integrator, for either model, which equations hold and where the state keeps what."""
 
@@ -45,7 +45,7 @@ _MEMBER_REALS = (
     "perp_x", "perp_y", "perp_z", "cross_x", "cross_y", "cross_z",
     "x", "y", "z", "per_bulk", "half_height", "per_efficiency", "recovery", "moves", "rolls",
 )  # fmt: skip
-MEMBER = np.dtype([(n, np.float64) for n in _MEMBER_REALS])
+MEMBER = np.dtype((np.record, [(n, np.float64) for n in _MEMBER_REALS]))
 """What the spatial model knows of an actuated part beyond `PART`: its mass moves along the axis from `base`, or, where
 it `rolls`, on the circle base + cos(travel) perp + sin(travel) cross; at (x, y, z) stays a cell's fixed volume."""
 
