@@ -181,6 +181,10 @@ class Waypoints(Description):
         for k, (a, b) in enumerate(pairwise(self.points)):
             if math.dist(a, b) == 0.0:
                 raise ValueError(f"points {k} and {k + 1} are the same place: remove one")
+        if self.repeat and math.dist(self.points[0], self.points[-1]) == 0.0:
+            raise ValueError(
+                "repeat needs two places or more, and the last point is not the first: the way goes back there anyway"
+            )
         return self
 
 

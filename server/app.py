@@ -12,7 +12,7 @@ from server.body import BodyLimit
 from server.errors import install_error_handlers
 from server.live import LiveSessions
 from server.openapi import DocumentedApi
-from server.routes import analyses, designs, health, presets, schemas, sessions, simulations
+from server.routes import analyses, controllers, designs, health, presets, schemas, sessions, simulations
 from server.running import Runner
 from server.settings import Settings
 from server.version import VERSION
@@ -51,6 +51,6 @@ def create_app(
         app.add_middleware(TokenGate, token=settings.token.get_secret_value())
     install_error_handlers(app)
     app.include_router(health.router)
-    for noun in (presets, schemas, designs, sessions, simulations, analyses):
+    for noun in (presets, schemas, designs, sessions, simulations, analyses, controllers):
         app.include_router(noun.router, prefix=API)
     return app

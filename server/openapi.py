@@ -12,6 +12,7 @@ from server.errors import PROBLEM_JSON
 from server.examples import load_examples
 from server.schemas import REQUESTS
 from server.schemas_analyses import ANALYSIS_REQUESTS
+from server.schemas_control import CONTROL_REQUESTS
 from server.schemas_linear import LINEAR_REQUESTS
 
 REF = "#/components/schemas/{model}"
@@ -66,7 +67,8 @@ class DocumentedApi(FastAPI):
 
 def _complete(document: dict[str, Any], schemas: dict[str, Any]) -> None:
     _, requests = models_json_schema(
-        [(model, "validation") for model in (*REQUESTS, *ANALYSIS_REQUESTS, *LINEAR_REQUESTS)], ref_template=REF
+        [(model, "validation") for model in (*REQUESTS, *ANALYSIS_REQUESTS, *LINEAR_REQUESTS, *CONTROL_REQUESTS)],
+        ref_template=REF,
     )
     schemas.update(requests["$defs"])
     for name in ("HTTPValidationError", "ValidationError"):

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
-from studio.analysis_arguments import ANALYSES, add_analyses
+from studio.analysis_arguments import ANALYSES, add_analyses, add_controller
 from studio.commands_equations import add_equations, equations
 from studio.exit_codes import DONE, MEANING, STOPPED
 
@@ -102,6 +102,9 @@ def _parser() -> argparse.ArgumentParser:
         )
     )
     add_analyses(commands, epilog=MEANING)
+    add_controller(
+        commands.add_parser("design-controller", help="design state feedback, or first gains of loops", epilog=MEANING)
+    )
     presets = commands.add_parser("presets", help="list the presets, or print one as JSON", epilog=MEANING)
     presets.add_argument("preset", nargs="?", help="print this preset's design document")
     return parser
@@ -127,6 +130,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from studio.commands_analyses import run_analysis
 
             return run_analysis(options)
+        if options.command == "design-controller":
+            from studio.commands_control import design_controller
+
+            return design_controller(options)
         from studio import commands
 
         if options.command == "simulate":

@@ -91,6 +91,37 @@ def _allocate(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_controller(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command that designs a controller."""
+    parser.add_argument("design", type=Path, help="design file, or - for standard input")
+    add_steady(parser)
+    parser.add_argument(
+        "--kind", choices=("state_feedback", "cascade"), default="state_feedback",
+        help="state feedback by LQR or poles (default), or first gains of guidance and loops",
+    )  # fmt: skip
+    parser.add_argument("--sample-time", type=float, default=1.0, help="time between samples, s (1)")
+    parser.add_argument("--delay", type=float, default=0.0, help="time until commands reach the actuators, s (0)")
+    parser.add_argument("--state", action="append", help="state fed back; else all that the cells can move")
+    parser.add_argument("--cell", action="append", help="cell under control; else all that move")
+    parser.add_argument(
+        "--deviation", type=quantity, action="append", metavar="STATE=VALUE",
+        help="largest acceptable deviation, SI units and rad (5deg is an angle); 0.1 where not named",
+    )  # fmt: skip
+    parser.add_argument("--share", type=float, default=0.2, help="largest acceptable command, share of stroke (0.2)")
+    parser.add_argument("--integrals", type=int, default=0, help="how many of the first states are integrated (0)")
+    parser.add_argument(
+        "--pole", type=complex, action="append", help="place poles instead, 1/s, such as --pole=-0.2+0.1j; one a state"
+    )
+    parser.add_argument("--step", type=quantity, metavar="STATE=VALUE", help="fly a step of theta, phi, psi or u")
+    parser.add_argument("--duration", type=float, default=120.0, help="how long the step is watched, s (120)")
+    parser.add_argument(
+        "-o", "--output", type=Path, action="append",
+        help="file to write: .json, the design under the controller, from its trim; .mat (MATLAB); .py (a script)",
+    )  # fmt: skip
+    parser.add_argument("--json", action="store_true", help="print the answer of the REST API instead of a summary")
+    parser.add_argument("--plot", type=Path, help="picture of the step to draw: .png, .svg or .pdf")
+
+
 _ADD = {
     "trim": add_steady, "polar": _polar, "linearize": _linearize, "stability": _stability, "allocate": _allocate,
 }  # fmt: skip

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from models.loop_response import LoopResponse
+
 DEGREES = 180.0 / math.pi
 
 
@@ -132,4 +134,27 @@ def stability(answer: small.StabilityAnswer, design: Design, path: Path) -> None
         plot.set_ylabel(label)
         plot.legend(fontsize=8, loc="best")
     growth.set_xlabel("time, s")
+    save(figure, path)
+
+
+def step(response: LoopResponse, design: Design, path: Path) -> None:
+    """Draw the response to a step, linear and flown, and the commands that it takes."""
+    figure, axes = sheet(design, 2, 1, size=(9.0, 6.0))
+    state, commands = axes[:, 0]
+    commands.sharex(state)
+    angle = response.state != "u"
+    factor = DEGREES if angle else 1.0
+    state.axhline(factor * response.goal, color="#888888", linewidth=0.8)
+    state.plot(response.times, factor * response.predicted_state, "--", color=PLOT_COLORS[0], label="linear")
+    if response.run is not None:
+        flown = factor * response.flown_state
+        state.plot(response.times[: len(flown)], flown, color=PLOT_COLORS[1], label="flown")
+    state.set_ylabel(f"{response.state}, {'deg' if angle else 'm/s'}")
+    for k, cell in enumerate(response.cells):
+        color = PLOT_COLORS[k % len(PLOT_COLORS)]
+        commands.step(response.times, 1e3 * response.commands[:, k], where="post", color=color, label=cell)
+    commands.set_ylabel("commands, mm or mrad (linear)")
+    commands.set_xlabel("time, s")
+    for plot in (state, commands):
+        plot.legend(fontsize=8, loc="best")
     save(figure, path)

@@ -46,6 +46,8 @@ what they could not do, and the leg of the way or the set point in force."""
 PITCH_INTEGRAL, ROLL_INTEGRAL, HEADING_INTEGRAL = 11, 13, 15
 """Integrals, one for dives and one for climbs; the state feedback's begin at the first."""
 PATH_INTEGRAL, AWAY, FROM_X, FROM_Y = 17, 18, 19, 20
+PITCH_CUT, ROLL_CUT = 21, 22
+"""What the limits of the loops cut off."""
 MEMORY = 32
 MOST_INTEGRALS = 8
 """Of the state feedback."""

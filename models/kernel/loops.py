@@ -15,12 +15,14 @@ from models.kernel.control_layout import (
     NO_LATERAL,
     PHASE,
     PITCH,
+    PITCH_CUT,
     PITCH_INTEGRAL,
     PITCH_MISSING,
     PITCH_RATE,
     PITCH_TARGET,
     PITCH_WANTED,
     ROLL,
+    ROLL_CUT,
     ROLL_INTEGRAL,
     ROLL_MISSING,
     ROLL_RATE,
@@ -66,7 +68,10 @@ def bank_for_heading(seen, c, memory):
 
 @internal
 def ask_of_cells(seen, c, memory):
-    """Set heave, pitch and roll moment that are wanted of the cells; return the errors of pitch and roll."""
+    """Set heave, pitch and roll moment that are wanted of the cells; return the errors of pitch and roll.
+
+    What their limits cut off is kept for `wind_up`.
+    """
     climbing = memory[PHASE] != 0.0
     phase = 1 if climbing else 0
     memory[HEAVE_WANTED] = c.climb_heave if climbing else c.dive_heave
@@ -76,11 +81,14 @@ def ask_of_cells(seen, c, memory):
     if c.holds_pitch != 0:
         pitch_error = memory[PITCH_TARGET] - seen[PITCH]
         asked = c.pitch_p * pitch_error + memory[PITCH_INTEGRAL + phase] - c.pitch_d * seen[PITCH_RATE]
-        memory[PITCH_WANTED] = clipped(memory[PITCH_WANTED] + asked, c.pitch_limit)
+        asked += memory[PITCH_WANTED]
+        memory[PITCH_WANTED] = clipped(asked, c.pitch_limit)
+        memory[PITCH_CUT] = asked - memory[PITCH_WANTED]
     if c.lateral != NO_LATERAL:
         roll_error = memory[ROLL_TARGET] - seen[ROLL]
         asked = c.roll_p * roll_error + memory[ROLL_INTEGRAL + phase] - c.roll_d * seen[ROLL_RATE]
         memory[ROLL_WANTED] = clipped(asked, c.roll_limit)
+        memory[ROLL_CUT] = asked - memory[ROLL_WANTED]
     return pitch_error, roll_error
 
 
@@ -101,14 +109,16 @@ def share_among_cells(c, cells, memory, share, out):
 
 @internal
 def wind_up(c, memory, pitch_error, roll_error):
-    """Advance the integrals by what the cells did."""
+    """Advance the integrals: by the errors, and back by what limits and stops cut off."""
     phase = 1 if memory[PHASE] != 0.0 else 0
     if c.holds_pitch != 0:
         i = PITCH_INTEGRAL + phase
-        memory[i] = wound(memory[i], c.pitch_i, pitch_error, memory[PITCH_MISSING], c.pitch_limit, c)
+        missing = memory[PITCH_CUT] + memory[PITCH_MISSING]
+        memory[i] = wound(memory[i], c.pitch_i, pitch_error, missing, c.pitch_limit, c)
     if c.lateral != NO_LATERAL:
         i = ROLL_INTEGRAL + phase
-        memory[i] = wound(memory[i], c.roll_i, roll_error, memory[ROLL_MISSING], c.roll_limit, c)
+        missing = memory[ROLL_CUT] + memory[ROLL_MISSING]
+        memory[i] = wound(memory[i], c.roll_i, roll_error, missing, c.roll_limit, c)
 
 
 @internal

@@ -11,7 +11,8 @@ def preset_ids() -> tuple[str, ...]:
     """Return the identifiers of all presets, in the order in which they are shown."""
     return (
         "canete-dual-bellows", "three-cell-glider",
-        "quad-bellows-glide", "quad-bellows-spiral", "quad-bellows-s-turn", "quad-bellows-yo-yo", "movable-mass-twin",
+        "quad-bellows-glide", "quad-bellows-spiral", "quad-bellows-s-turn", "quad-bellows-yo-yo",
+        "quad-bellows-heading", "quad-bellows-waypoints", "quad-bellows-station", "movable-mass-twin",
         "seawing-spiral", "slocum-glide",
     )  # fmt: skip
 

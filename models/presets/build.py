@@ -14,6 +14,7 @@ from models.hydrodynamics import Provenance
 from models.mass_properties import trim_ballast
 from models.polar_csv import read_polar_csv
 from models.presets.published import seawing, slocum
+from models.presets.quad_control import TASKS, controlled_glider
 from models.presets.quad_glider import movable_mass_twin, quad_glider
 from models.presets.words import prose
 
@@ -222,6 +223,7 @@ def build() -> dict[str, Design]:
     """Return all presets by identifier; those on the stand-in hull are trimmed to neutral buoyancy."""
     trimmed = {"canete-dual-bellows": canete_dual_bellows(), "three-cell-glider": three_cell_glider()}
     quads = {f"quad-bellows-{mission}": quad_glider(mission) for mission in MISSIONS}
+    quads |= {f"quad-bellows-{task}": controlled_glider(task) for task in TASKS}
     stated = quads | {"movable-mass-twin": movable_mass_twin(), "seawing-spiral": seawing(), "slocum-glide": slocum()}
     return {name: trim_ballast(parse_design(document))[0] for name, document in trimmed.items()} | {
         name: parse_design(document) for name, document in stated.items()

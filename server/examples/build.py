@@ -130,11 +130,16 @@ def _analysis_requests(design: dict[str, Any], first_cell: str) -> dict[str, dic
         "stability": {"samples": 3, "max_points": 3},
         "allocation": {"wanted": {"heave": -0.05, "pitch": 0.01}},
     }  # fmt: skip
+    feedback = {"trim": heavy, "sample_time": 0.5, "step": {"state": "theta", "amount": 0.01, "duration": 5.0}}
     return {
         f"analyze_{name}": {
             "at": ("POST", f"{API}/analyses:{name}"), "request": {"design": design, "options": chosen},
         }
         for name, chosen in options.items()
+    } | {
+        "design_controller": {
+            "at": ("POST", f"{API}/controllers:design"), "request": {"design": design, "options": feedback},
+        }
     }  # fmt: skip
 
 
@@ -148,6 +153,9 @@ def _shortened(name: str, response: Any) -> Any:
         modes = [{key: mode[key] for key in kept} for mode in response["modes"]["modes"]]
         reach = {key: response["controllability"][key] for key in ("inputs", "states", "rank", "unmoved", "words")}
         return response | {"modes": response["modes"] | {"modes": modes}, "controllability": reach}
+    if name == "design_controller":
+        shown = ("controller", "trim", "cells", "states", "gains", "stable", "response", "warnings")
+        return response | {"feedback": {key: response["feedback"][key] for key in shown}}  # modes as above
     if name == "analyze_allocation":
         return {key: value for key, value in response.items() if key != "directions"}  # equal values: any will do
     return response
