@@ -45,17 +45,22 @@ chromium:
 	  || echo "chromium is missing and cannot be installed here: the browser tests will fail"
 
 warm: setup
-	$(BIN)/python -c 'from models.warm import warm_kernel; warm_kernel()'
+	$(BIN)/python -c 'from models.warm import warm_analyses; warm_analyses()'
 
 bench: setup-dev
 	$(BIN)/python -m benchmarks.planar
 	$(BIN)/python -m benchmarks.spatial
+	$(BIN)/python -m benchmarks.control
+	$(BIN)/python -m benchmarks.linear
+	$(BIN)/python -m benchmarks.trim
 	$(BIN)/python -m benchmarks.latency
 	$(BIN)/python -m benchmarks.startup
 
 docs: setup-dev
+	$(BIN)/python -m docs.make_equations
 	$(BIN)/python -m docs.make_paper
 	$(BIN)/python -m docs.make_quad_glider
+	$(BIN)/python -m docs.make_control
 	$(BIN)/python -m docs.make_validation
 
 presets: setup

@@ -11,10 +11,12 @@ import numpy as np
 from docs import validation_conservation as conservation
 from docs import validation_energy as energy
 from docs import validation_equations as equations
+from docs import validation_linear as linear
 from docs import validation_motions as motions
 from docs import validation_seawing as seawing
 from docs import validation_slocum as slocum
 from docs import validation_symmetries as symmetries
+from docs import validation_trims as trims
 from docs import validation_water as water
 from docs.formatting import bound, num, order_of
 
@@ -124,6 +126,8 @@ def published_claims() -> list[Claim]:
     ]  # fmt: skip
     root = Claim(7, "spiral beside the root of the independent equations, deg or share", seawing.largest_from_root(),
                  seawing.OWN_DIGITS)  # fmt: skip
+    solved = Claim(7, "spiral by simulation beside the trim, states", trims.largest_difference(), trims.DEMANDED,
+                   "rad, m/s, rad/s")  # fmt: skip
     steady = [
         slocum.differences(case, run) for case in (*slocum.glides(), *slocum.polar()) for run in case.runs.values()
     ]
@@ -134,7 +138,7 @@ def published_claims() -> list[Claim]:
     ]
     stated = slocum.published()["shallowest_deg"]
     shallowest = abs(math.degrees(slocum.shallowest()) - stated)
-    return [*spiral, root, *glides, Claim(8, "shallowest glide beside 6.315 deg", shallowest, 5e-4, "deg", 4)]
+    return [*spiral, root, solved, *glides, Claim(8, "shallowest glide beside 6.315 deg", shallowest, 5e-4, "deg", 4)]
 
 
 def water_claims() -> list[Claim]:
@@ -150,8 +154,21 @@ def water_claims() -> list[Claim]:
     ]
 
 
+def linear_claims() -> list[Claim]:
+    """Return the claims of check 11."""
+    steps = linear.step_responses()
+    return [
+        Claim(11, "order of what a linear step response leaves: how far from 2",
+              max(float(abs(case.orders - 2.0).max()) for case in steps), linear.ALLOWED, digits=2),
+        Claim(11, "what it leaves at the smallest step, share of the response",
+              max(case.share for case in steps), linear.DEMANDED, digits=4),
+    ]  # fmt: skip
+
+
 @cache
 def claims() -> tuple[Claim, ...]:
     """Return every claim, in the order of the checks."""
-    groups = (equation_claims, symmetry_claims, motion_claims, energy_claims, published_claims, water_claims)
+    groups = (
+        equation_claims, symmetry_claims, motion_claims, energy_claims, published_claims, water_claims, linear_claims,
+    )  # fmt: skip
     return tuple(sorted((claim for group in groups for claim in group()), key=lambda claim: claim.check))

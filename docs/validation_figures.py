@@ -23,7 +23,8 @@ from docs import validation_water as water
 from docs.figures import DIM, FAINT, INK, OTHERS, PATH, STYLE, new_figure
 
 Array = NDArray[np.float64]
-HUES = (PATH, "#d4652f", "#16785b", "#7a4fc4", "#b2760a", "#c0392b", "#47596c", "#7fb9dc", "#96281b", "#8b9aaa")
+HUES = (PATH, "#d4652f", "#16785b", "#7a4fc4", "#b2760a", "#c0392b", "#47596c", "#7fb9dc", "#96281b", "#8b9aaa",
+        "#e58a6b", "#b58be0")  # fmt: skip
 SMALLEST = 1e-17
 """Where a difference of zero is drawn on a logarithmic axis."""
 DOTS = {"ls": "none", "marker": "o", "ms": 3.6, "mec": "white", "mew": 0.5}

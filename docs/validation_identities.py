@@ -1,4 +1,4 @@
-"""Owns sections 1 to 6 of docs/validation.md: what must hold by itself, whatever others have found."""
+"""Owns sections 1 to 6 and 11 of docs/validation.md: what must hold by itself, whatever others have found."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 from docs import validation_conservation as conservation
 from docs import validation_energy as energy
 from docs import validation_equations as equations
+from docs import validation_linear as linear
 from docs import validation_motions as motions
 from docs import validation_slocum as slocum
 from docs import validation_symmetries as symmetries
@@ -103,10 +104,10 @@ velocities and angle of attack, relative to 1 plus their largest value:
 
 {markdown_table(("Preset", "Largest difference", "Out of the plane"), planar)}
 
-**Mirror, heading, current.** A test glider and every spatial preset, at tolerance 10⁻¹¹: port and starboard exchanged;
-the start turned by {num(math.degrees(symmetries.YAW), 0)}°; and a constant current of {num(north, 2)} m/s north and
-{num(east, 2)} m/s east, started with the same velocity through the water. Each path is mapped back onto that of the
-original in still water; largest differences:
+**Mirror, heading, current.** A test glider and every spatial preset that goes by the clock, at tolerance 10⁻¹¹: port
+and starboard exchanged; the start turned by {num(math.degrees(symmetries.YAW), 0)}°; and a constant current of
+{num(north, 2)} m/s north and {num(east, 2)} m/s east, started with the same velocity through the water. Each path is
+mapped back onto that of the original in still water; largest differences:
 
 {moved_table()}
 
@@ -153,8 +154,7 @@ over 600 s pitch, surge, heave and pitch rate depart by less than {bound(still)}
 Started with the pitch {num(slocum.OFFSETS_DEG[-1], 0)}° off, it comes back within {bound(last)}: the equilibrium of the
 simulation is that of the formula.
 
-This is the part of the check that can be made now. A solver for trims and the linearised model are not here yet; with
-them come the trims of every design, and step responses of the linearised model against those of the full one.
+Trims that are solved for: check 7 holds one against its simulation. Linear models about them: check 11.
 
 ![Departure from the equilibrium](img/validation-trim.svg)
 
@@ -192,4 +192,24 @@ largest of kinetic energy, works, and what weight and buoyancy released); the de
 
 *Figure 6. Left: residual over time, largest in each of 120 windows. Right: largest against the tolerance. Dashed:
 demanded.*
+"""
+
+
+def linear_section() -> str:
+    """Describe check 11."""
+    rows = [
+        (case.preset_id, case.model, case.part, *map(order_of, case.differences), num(float(case.orders[-1]), 2))
+        for case in linear.step_responses()
+    ]
+    header = ("Preset", "Model", "Part", *(f"Step {num(1e3 * step, 1)} mm" for step in linear.STEPS), "Order")
+    return f"""## 11. Linear models
+
+From a stable trim the command of one part steps (in mrad where it rolls), and the response over
+{num(linear.DURATION, 0)} s is computed twice: by the full equations at tolerance 10⁻¹², and by the linear model about
+the trim, exactly, as a matrix exponential. What is left between them must be of second order in the step: halved, it
+falls to a quarter. A wrong slope would leave an error of first order. Largest difference in depth, angles, velocities
+and rates (m, rad, m/s, rad/s), in water of one density and with parts that keep their volume, where a trim holds at
+every depth:
+
+{markdown_table(header, rows, left=3)}
 """

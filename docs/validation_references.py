@@ -9,6 +9,7 @@ import numpy as np
 from docs import validation_energy as energy
 from docs import validation_seawing as seawing
 from docs import validation_slocum as slocum
+from docs import validation_trims as trims
 from docs import validation_water as water
 from docs.formatting import bound, markdown_table, num, percent, signed
 
@@ -66,7 +67,8 @@ the battery turned by {seawing.published()["input"]["gamma_deg"]}°. Pitch, roll
 - The independent solution was made apart from this project; its roll differs from ours by
   {num(abs(roll.ours - roll.independent), 3)} deg, all else by no more than its last digit. The root of the six
   accelerations of our own second simulator (check 1) is where our run ends, within
-  {bound(seawing.largest_from_root())}: so the pitch, {num(abs(rows["theta"].difference), 2)} deg from the published
+  {bound(seawing.largest_from_root())}; the trim solver finds it within {bound(trims.largest_difference())} (rad, m/s,
+  rad/s): so the pitch, {num(abs(rows["theta"].difference), 2)} deg from the published
   one, follows from the parameters as printed.
 {radius_text()}
 
