@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from models.design import Design, parse_design
 from models.linear_model import LinearModel
 from models.linearize import linearize
+from models.operating_point import point_of
 from models.presets import load_preset
-from models.root_locus import point_of
 from models.run import Run
 from models.simulate import simulate
 from models.trim import Trim, design_from, find_trims

@@ -10,8 +10,9 @@ from models.controllability import controllability, holding_power
 from models.frequency_response import frequency_response
 from models.linearize import linearize
 from models.modes import modes_of
+from models.operating_point import point_of
 from models.presets import load_preset
-from models.root_locus import point_of, root_locus
+from models.root_locus import root_locus
 from models.targeted_trim import trim_for
 from models.trim import Trim
 

@@ -28,11 +28,10 @@ from models.loop_response import (
     feedback_of,
     gain_point,
     mission_from,
-    point_of,
     set_point_step,
 )
 from models.modes import NEUTRAL, Modes, modes_of
-from models.operating_point import OperatingPoint
+from models.operating_point import OperatingPoint, point_of
 from models.problems import DesignError, Problem
 from models.targeted_trim import trim_for
 from models.trim import Trim, find_trims

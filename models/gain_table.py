@@ -15,8 +15,8 @@ from models.controllers import SetPoint, StateFeedback
 from models.design import Design
 from models.feedback_problem import feedback_problem
 from models.limits import DEFAULT_LIMITS, Limits
-from models.loop_response import feedback_of, gain_point, mission_from, point_of
-from models.operating_point import OperatingPoint
+from models.loop_response import feedback_of, gain_point, mission_from
+from models.operating_point import OperatingPoint, point_of
 from models.problems import DesignError, Problem
 from models.sampled_model import radius_of
 from models.targeted_trim import trim_for

@@ -21,7 +21,7 @@ from models.feedback_problem import FeedbackProblem
 from models.limits import DEFAULT_LIMITS, Limits
 from models.mission import Control, Initial
 from models.modes import EXTENSION
-from models.operating_point import OperatingPoint, down_in_body
+from models.operating_point import OperatingPoint, down_in_body, point_of
 from models.problems import DesignError, Problem
 from models.response_figures import Figures, figures_of
 from models.run import Run, Status
@@ -183,14 +183,6 @@ def stepped_point(problem: FeedbackProblem, step: StepOptions) -> OperatingPoint
 def turn_rate_of(point: OperatingPoint) -> float:
     """Return the rate of turn about the vertical of a steady motion, rad/s."""
     return float(down_in_body(point.roll, point.pitch) @ np.array(point.angular_velocity))
-
-
-def point_of(trim: Trim, *, heading: float = 0.0) -> OperatingPoint:
-    """Return a trim as an operating point with a heading, rad."""
-    return OperatingPoint.from_steady(
-        extensions=trim.extensions, pitch=trim.pitch, velocity=tuple(trim.velocity.tolist()), roll=trim.roll,
-        turn_rate=trim.turn_rate, depth=trim.depth, yaw=heading,
-    )  # fmt: skip
 
 
 def gain_point(problem: FeedbackProblem, gains: Array, point: OperatingPoint, value: float) -> GainPoint:

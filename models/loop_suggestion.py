@@ -30,9 +30,8 @@ from models.controller_options import ControllerOptions
 from models.controllers import Cascade, HoldHeading, HoldHeave, Lateral, Loop, Pitch
 from models.design import Design
 from models.feedback_problem import FeedbackProblem, feedback_problem, ordered
-from models.loop_response import point_of
 from models.modes import EXTENSION
-from models.operating_point import OperatingPoint
+from models.operating_point import OperatingPoint, point_of
 from models.problems import DesignError, Problem
 from models.sampled_model import SampledModel
 from models.trim import Trim

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from models.attitude import quaternion_from_rpy_radians, rotation_of
 from models.kernel import params, spatial_layout
 from models.problems import DesignError, Problem, pointer_to
 from models.run import Run
+
+if TYPE_CHECKING:
+    from models.trim import Trim
 
 Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
@@ -86,6 +89,14 @@ class OperatingPoint:
             "velocity": list(self.velocity), "angular_velocity": list(self.angular_velocity),
             "extensions": dict(self.extensions), "commands": dict(self.commands), "time": self.time,
         }  # fmt: skip
+
+
+def point_of(trim: Trim, *, heading: float = 0.0) -> OperatingPoint:
+    """Return a trim as an operating point with a heading, rad."""
+    return OperatingPoint.from_steady(
+        extensions=trim.extensions, pitch=trim.pitch, velocity=tuple(trim.velocity.tolist()), roll=trim.roll,
+        turn_rate=trim.turn_rate, depth=trim.depth, yaw=heading,
+    )  # fmt: skip
 
 
 def down_in_body(roll: float, pitch: float) -> Array:

@@ -16,9 +16,9 @@ from scipy.optimize import linear_sum_assignment
 from models.design import Design, parse_design
 from models.linearize import linearize
 from models.modes import NEUTRAL, STEADY, SUBSIDENCES, Mode, modes_of
-from models.operating_point import OperatingPoint
+from models.operating_point import OperatingPoint, point_of
 from models.problems import DesignError, Problem, echo
-from models.trim import Trim, TrimSearch, find_trims
+from models.trim import TrimSearch, find_trims
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -212,14 +212,6 @@ def _trim_at_depth(depth: float | None) -> TrimAt:
         return points[0] if last is None else min(points, key=lambda point: _unlike(point, last))
 
     return at
-
-
-def point_of(trim: Trim) -> OperatingPoint:
-    """Return the operating point of a trim."""
-    return OperatingPoint.from_steady(
-        extensions=trim.extensions, roll=trim.roll, pitch=trim.pitch, velocity=trim.velocity.tolist(),
-        turn_rate=trim.turn_rate, depth=trim.depth,
-    )  # fmt: skip
 
 
 def _at_rest(

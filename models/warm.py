@@ -87,7 +87,7 @@ def compile_analyses_here() -> None:
     """Compile what analyses in this process, or load it from its cache, and leave it there."""
     from models.allocation import allocate, effectiveness
     from models.linearize import linearize
-    from models.root_locus import point_of
+    from models.operating_point import point_of
     from models.targeted_trim import TrimFailure, trim_for
 
     for preset_id in PRESETS:

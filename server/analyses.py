@@ -19,9 +19,9 @@ from models.glide_polar import glide_polar
 from models.limits import Limits
 from models.linearize import linearize
 from models.modes import modes_of
-from models.operating_point import OperatingPoint
+from models.operating_point import OperatingPoint, point_of
 from models.problems import DesignError, Problem
-from models.root_locus import point_of, root_locus
+from models.root_locus import root_locus
 from models.run import Run
 from models.simulate import Control
 from models.stability import stability_over

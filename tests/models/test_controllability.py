@@ -11,9 +11,8 @@ from models.controllability import controllability, holding_power
 from models.design import parse_design
 from models.linear_model import LinearModel, Signal
 from models.linearize import linearize
-from models.operating_point import OperatingPoint
+from models.operating_point import OperatingPoint, point_of
 from models.presets import load_preset
-from models.root_locus import point_of
 from models.trim import find_trims
 from tests.models.test_spatial_truths import changed, mirrored
 

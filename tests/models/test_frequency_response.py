@@ -12,9 +12,9 @@ import pytest
 from models.frequency_response import dc_gain, frequency_response, spanning
 from models.linearize import linearize
 from models.modes import modes_of
+from models.operating_point import point_of
 from models.presets import load_preset
 from models.problems import DesignError
-from models.root_locus import point_of
 from models.trim import find_trims
 
 

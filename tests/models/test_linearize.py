@@ -11,10 +11,9 @@ import pytest
 from models.assemble import assemble
 from models.design import parse_design
 from models.linearize import linearize, motion_matrix
-from models.operating_point import OperatingPoint, minimal_state
+from models.operating_point import OperatingPoint, minimal_state, point_of
 from models.presets import load_preset
 from models.problems import DesignError
-from models.root_locus import point_of
 from models.simulate import simulate
 from models.trim import design_from, find_trims
 from tests.models.linear_support import DENSITY, GRAVITY, INERTIA, MASS, REST, differences, resting_design

@@ -11,9 +11,10 @@ from models.assemble import assemble
 from models.controller_design import design_controller
 from models.controller_options import ControllerOptions
 from models.design import Design
-from models.loop_response import mission_from, point_of
+from models.loop_response import mission_from
 from models.loop_suggestion import suggest_loops
 from models.mass_properties import mass_balance
+from models.operating_point import point_of
 from models.problems import DesignError
 from models.simulate import simulate
 from models.trim import find_trims

@@ -11,9 +11,8 @@ from scipy.linalg import block_diag
 
 from models.linearize import linearize
 from models.modes import Mode, modes_of, name_of
-from models.operating_point import OperatingPoint
+from models.operating_point import OperatingPoint, point_of
 from models.presets import load_preset
-from models.root_locus import point_of
 from models.simulate import simulate
 from models.trim import find_trims
 from tests.models.linear_support import GRAVITY, INERTIA, MASS, REST, resting_design

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from models.linearize import linearize
-from models.operating_point import OperatingPoint
+from models.operating_point import OperatingPoint, point_of
 from models.presets import load_preset
 from models.problems import DesignError, Problem
-from models.root_locus import point_of, root_locus, with_value
+from models.root_locus import root_locus, with_value
 from models.trim import find_trims
 from tests.models.linear_support import GRAVITY, INERTIA, MASS, REST, resting_design
 

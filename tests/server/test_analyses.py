@@ -9,8 +9,8 @@ import pytest
 
 from models.allocation import effectiveness
 from models.linearize import linearize
+from models.operating_point import point_of
 from models.presets import load_preset
-from models.root_locus import point_of
 from models.trim import find_trims
 from tests.server.support import ask, assert_problem, preset, read_json
 
