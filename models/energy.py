@@ -12,7 +12,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import find_peaks
 
 from models.run import Run
 
@@ -68,6 +67,8 @@ def energy_bill(run: Run) -> EnergyBill | None:
 
 def _dive_marks(z: NDArray[np.float64]) -> list[int]:
     """Return the samples between which the dives lie: the ends of the run, and where it is shallow in between."""
+    from scipy.signal import find_peaks  # loading it takes most of a second, which a start need not wait for
+
     reach = float(np.ptp(z))
     if reach <= 0.0:
         return [0, len(z) - 1]

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
-from scipy.signal import place_poles
 
 from models.problems import DesignError, Problem
 from models.sampled_model import SampledModel
@@ -114,6 +113,8 @@ def placed_gains(model: SampledModel, poles: Sequence[complex], *, states: Array
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # that the last digits of robustness were not reached
+            from scipy.signal import place_poles  # loading it takes most of a second
+
             gains = shared @ place_poles(F, G @ shared, wanted, method="YT").gain_matrix
     except (ValueError, np.linalg.LinAlgError) as error:
         hint = "ask for poles nearer to those of the glider, or further apart"
