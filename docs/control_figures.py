@@ -13,6 +13,7 @@ from matplotlib.patches import Circle
 
 from docs import control_comparison as comparison
 from docs import control_studies as studies
+from docs.control_analyses_figures import locus_figure, polar_figure, stability_figure
 from docs.figures import DIM, FAINT, INK, PATH, STYLE, new_figure
 from docs.validation_figures import thin
 from models.presets.quad_control import FAST, SLOW
@@ -30,6 +31,7 @@ def write_figures(folder: Path) -> list[str]:
         "heading": lambda: mission_figure(studies.preset_run("heading"), current=True),
         "s-turn": lambda: mission_figure(studies.s_turn(), current=False),
         "twin": twin_figure, "places": places_figure,
+        "polar": polar_figure, "locus": locus_figure, "stability": stability_figure,
     }  # fmt: skip
     with matplotlib.rc_context(STYLE):
         for name, draw in drawn.items():

@@ -217,16 +217,17 @@ def slides() -> tuple[Slide, Slide]:
     return slide(run, wanted), slide(other, wanted)
 
 
-class Ratchet(NamedTuple):
-    """Pitch (rad) in the second half of each dive with an integral in the loop, and without."""
+class Integrated(NamedTuple):
+    """Pitch (rad) in the second half of each dive with an integral in the loop, and without; and what is wanted."""
 
+    target: float
     integral: float
     with_it: list[float]
     without: list[float]
 
 
 @cache
-def ratchet() -> Ratchet:
+def integrated() -> Integrated:
     """Return what a slow integral makes of the pitch of dive after dive."""
     gain = 0.003
     loops = (SLOPE | {"integral": gain}, SLOPE)
@@ -240,7 +241,7 @@ def ratchet() -> Ratchet:
         found.append([
             float(run.values["theta"][(run.times > 0.5 * (a + b)) & (run.times < b)].mean()) for a, b in dives
         ])  # fmt: skip
-    return Ratchet(gain, *found)
+    return Integrated(controller["pitch"]["dive"], gain, *found)
 
 
 class Peace(NamedTuple):

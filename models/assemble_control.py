@@ -106,6 +106,7 @@ def control_problems(design: Design) -> Iterator[Problem]:
                 hint=f"those are: {', '.join(cells)}",
             )  # fmt: skip
     else:
+        yield from _beyond_table(design, controller)
         moving = [part.name for _, part in design.vehicle.actuated]
         for k, name in enumerate(controller.states):
             if name not in MEASURED and name not in moving:
@@ -113,6 +114,27 @@ def control_problems(design: Design) -> Iterator[Problem]:
                     f"{AT}/states/{k}", f"there is no state '{name}'",
                     hint=f"use {', '.join(MEASURED)}, or the name of a component that moves",
                 )  # fmt: skip
+
+
+def _beyond_table(design: Design, controller: StateFeedback) -> Iterator[Problem]:
+    """Yield extensions of the table beyond the stops, and set points beyond the table."""
+    cells = controlled_cells(design, controller)
+    for k, point in enumerate(controller.points):
+        for i, (name, e) in enumerate(zip(cells.cells, point.extensions, strict=True)):
+            slack = 1e-9 * cells.span[i]
+            if not cells.low[i] - slack <= e <= cells.high[i] + slack:
+                yield Problem(
+                    f"{AT}/points/{k}/extensions/{i}",
+                    f"extension {e:g} of '{name}' lies outside its stops [{cells.low[i]:g}, {cells.high[i]:g}]",
+                    limit=float(cells.low[i] if e < cells.low[i] else cells.high[i]), hint="stay within the stops",
+                )  # fmt: skip
+    low, high = controller.points[0].value, controller.points[-1].value
+    for k, asked in enumerate(controller.set_points):
+        if not low <= asked.value <= high:
+            yield Problem(
+                f"{AT}/set_points/{k}/value", f"set point {asked.value:g} is outside the table, {low:g} to {high:g}",
+                limit=low if asked.value < low else high, hint="add a point to the table, or stay within it",
+            )  # fmt: skip
 
 
 def _out_of_plane(design: Design, controller: Controller) -> Iterator[Problem]:
@@ -146,10 +168,16 @@ def _loops(controller: Cascade) -> dict[str, float]:
     pitch = controller.pitch
     held = pitch.dive is not None
     dive = pitch.dive if pitch.dive is not None else math.nan
+    climb, moment = -dive if pitch.climb is None else pitch.climb, pitch.climb_moment
+    if isinstance(controller.vertical, HoldHeave):
+        # what is said of dives holds all the time, unless climbs have their own
+        climb = dive if pitch.climb is None else pitch.climb
+        moment = pitch.climb_moment if "climb_moment" in pitch.model_fields_set else pitch.dive_moment
     return {
-        "kind": layout.CASCADE, "unwind": 1.0 / controller.unwind_time, "holds_pitch": held,
-        "dive_pitch": dive, "climb_pitch": -dive if pitch.climb is None else pitch.climb,
-        "dive_moment": pitch.dive_moment, "climb_moment": pitch.climb_moment,
+        # within a sample no more can be given back than there is
+        "kind": layout.CASCADE, "unwind": 1.0 / max(controller.unwind_time, controller.sample_time),
+        "holds_pitch": held, "dive_pitch": dive, "climb_pitch": climb,
+        "dive_moment": pitch.dive_moment, "climb_moment": moment,
         "pitch_p": pitch.loop.proportional, "pitch_i": pitch.loop.integral, "pitch_d": pitch.loop.derivative,
         "pitch_limit": pitch.loop.limit,
     } | _vertical(controller.vertical) | _lateral(controller.lateral)  # fmt: skip
@@ -159,7 +187,7 @@ def _vertical(vertical: HoldHeave | DepthBand) -> dict[str, float]:
     if isinstance(vertical, HoldHeave):
         return {
             "vertical": layout.HOLD_HEAVE, "dive_heave": vertical.heave, "climb_heave": vertical.heave,
-            "starts_climbing": False,
+            "starts_climbing": vertical.heave > 0.0,
         }  # fmt: skip
     return {
         "vertical": layout.DEPTH_BAND, "top": vertical.top, "bottom": vertical.bottom,

@@ -24,6 +24,8 @@ from models.water import gravity_of, water_table
 
 COLUMNS = {"planar": (33, 4), "spatial": (100, 6)}
 """Numbers kept a sample: the variables over time with the states, and those of each cell with its states."""
+CONTROL_COLUMNS = (24, 1)
+"""Those beside them under control: what it shows, as recorded and as kept, and the command of each cell."""
 
 
 def check_design(design: Design, limits: Limits) -> HydrodynamicLaw | None:
@@ -58,6 +60,10 @@ def _limit_problems(design: Design, limits: Limits) -> Iterator[Problem]:
     points = sum(len(s.points) for s in mission.control.schedules)
     samples = mission.duration / solver.output_interval
     fixed, per_cell = COLUMNS[solver.model]
+    controller = mission.control.controller
+    if controller is not None:
+        fixed, per_cell = fixed + CONTROL_COLUMNS[0], per_cell + CONTROL_COLUMNS[1]
+    controlled = 0.0 if controller is None else mission.duration / controller.sample_time
     columns = fixed + per_cell * len(vehicle.actuated)
     rows, where = table_rows(vehicle.hydrodynamics)
     levels = len(getattr(mission.environment.water, "depths", ()))
@@ -76,6 +82,11 @@ def _limit_problems(design: Design, limits: Limits) -> Iterator[Problem]:
             f"use an interval of at least {mission.duration / most:.3g} s",
         ),
     ]  # fmt: skip
+    if controller is not None:
+        hint = f"use a sample time of at least {mission.duration / limits.samples:.3g} s"
+        counts.append(
+            ("/mission/control/controller/sample_time", "samples of the controller", controlled, limits.samples, hint)
+        )
     if solver.method == "rk4":
         steps = math.ceil(mission.duration / solver.step)
         hint = f"use a step of at least {mission.duration / limits.steps:.3g} s, or the adaptive method"

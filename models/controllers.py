@@ -78,7 +78,7 @@ class Loop(Description):
 
 
 class HoldHeave(Description):
-    """One net buoyancy all the time."""
+    """One net buoyancy all the time: a dive, or a climb where it is positive."""
 
     kind: Literal["heave"] = text("Which vertical guidance this is: one heave.", default="heave")
     heave: float = quantity(
@@ -119,7 +119,7 @@ class Pitch(Description):
         unit="rad", symbol="theta_climb", ge=-math.pi / 2, le=math.pi / 2, default=None,
     )  # fmt: skip
     dive_moment: float = quantity(
-        "Moment on dives, to which the loop adds.",
+        "Moment on dives (and all the time, without a depth band), to which the loop adds.",
         unit="N m", symbol="M_dive", ge=-LARGEST_FORCE, le=LARGEST_FORCE, default=0.0,
     )  # fmt: skip
     climb_moment: float = quantity(

@@ -9,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.added_mass import damping_matrix
+from models.allocation import authority
+from models.assemble_control import controlled_cells
+from models.controllers import Cascade, DepthBand, HoldHeave
 from models.design import Design
 from models.hydrodynamics import PolarTable
 from models.hydrodynamics_coefficients import CoefficientForm
@@ -27,6 +30,7 @@ def warnings_for(design: Design) -> Iterator[Problem]:
     yield from _sideways(design)
     yield from _damping(design)
     yield from _late_points(design)
+    yield from _control(design)
 
 
 def _floating(design: Design, balance: MassBalance) -> Iterator[Problem]:
@@ -135,6 +139,32 @@ def _damping(design: Design) -> Iterator[Problem]:
             f"the damping feeds some motion with energy: its symmetric part has the eigenvalue {smallest:.4g}",
             limit=0.0, hint="check the signs: forces are minus the matrix times the velocity",
         )  # fmt: skip
+
+
+def _control(design: Design) -> Iterator[Problem]:
+    """Yield a warning where a controller asks for what it cannot get: depth below the bed, heave beyond the strokes."""
+    controller, bed = design.mission.control.controller, design.mission.environment.bed_depth
+    if not isinstance(controller, Cascade):
+        return
+    at, vertical = "/mission/control/controller/vertical", controller.vertical
+    if isinstance(vertical, DepthBand) and bed is not None and vertical.bottom >= bed:
+        yield Problem(
+            f"{at}/bottom", f"the band ends at {vertical.bottom:g} m, at or below the bed at {bed:g} m",
+            limit=bed, hint="end it above the bed, or no climb begins",
+        )  # fmt: skip
+    cells = controlled_cells(design, controller)
+    most = authority(cells).alone["heave"]
+    wanted = (
+        {"heave": vertical.heave} if isinstance(vertical, HoldHeave)
+        else {"dive_heave": vertical.dive_heave, "climb_heave": vertical.climb_heave}
+    )  # fmt: skip
+    for field, heave in wanted.items():
+        if not most[0] - 1e-9 <= heave <= most[1] + 1e-9:
+            yield Problem(
+                f"{at}/{field}",
+                f"{heave:+.3g} N are asked of cells that make {most[0]:+.3g} to {most[1]:+.3g} N level",
+                limit=most[0] if heave < 0.0 else most[1], hint="ask for less, or give the cells longer strokes",
+            )  # fmt: skip
 
 
 def _late_points(design: Design) -> Iterator[Problem]:

@@ -14,7 +14,7 @@ from models.glide_tasks import TASKS, Motion, Reward, Task
 from models.glider_fleet import Action, Fleet, Range, Start, accurate_step, actions_of
 from models.kernel.control_layout import DEPTH, YAW_RATE
 from models.kernel.integrate import CANCELLED, COMPLETED
-from models.presets import load_preset
+from models.presets import load_preset, preset_ids
 from models.simulate import STATUS_BY_CODE
 
 Array = NDArray[np.float64]
@@ -37,6 +37,8 @@ class Episodes:
         self, design: Design | str, count: int, *, task: str | Task, reward: Reward | None, action: Action,
         initial: Mapping[str, Range] | None, step_time: float, step: float | None, duration: float | None, threads: int,
     ) -> None:  # fmt: skip
+        if isinstance(design, str) and design not in preset_ids():
+            raise ValueError(f"there is no preset '{design}': those are {', '.join(preset_ids())}; or give a Design")
         described = load_preset(design) if isinstance(design, str) else design
         duration = described.mission.duration if duration is None else duration
         if not 0.0 < step_time <= duration < math.inf:

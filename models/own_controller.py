@@ -18,7 +18,7 @@ from models.assemble import Assembly, assemble
 from models.controllers import Noise
 from models.design import Design
 from models.kernel.actuators import SAME_TIME
-from models.kernel.control import see
+from models.kernel.control import IN_PLANE, see
 from models.kernel.control_layout import (
     DEPTH,
     EAST,
@@ -31,6 +31,7 @@ from models.kernel.control_layout import (
     YAW,
 )
 from models.kernel.integrate import COMPLETED, PROGRESS, finish, integrate
+from models.kernel.noise import normal
 from models.limits import DEFAULT_LIMITS, Limits
 from models.problems import DesignError, Problem
 from models.run import Run
@@ -131,7 +132,7 @@ class _Loop:
         self.spread = np.array(
             [noise.depth, *[noise.attitude] * 3, *[noise.velocity] * 3, *[noise.rate] * 3, *[noise.place] * 2]
         )
-        self.random = np.random.default_rng(noise.seed)
+        self.seed, self.planar = noise.seed, assembly.design.mission.solver.model == "planar"
         self.parts = {name: k for k, name in enumerate(assembly.cells)}
         self.first = len(STATES[assembly.design.mission.solver.model])
 
@@ -152,7 +153,9 @@ class _Loop:
     def _measure(self, t: float, y: Array) -> Measurement:
         seen = np.zeros(MEASURED)
         see(t, y, self.assembly.params, seen)
-        seen += self.spread * self.random.standard_normal(MEASURED)
+        for channel in np.flatnonzero(self.spread):
+            if not self.planar or int(channel) in IN_PLANE:
+                seen[channel] += self.spread[channel] * normal(self.seed, self.sampled, int(channel))
         extensions = y[self.first : self.first + len(self.parts)].tolist()
         return Measurement(
             time=t, depth=float(seen[DEPTH]), roll=float(seen[ROLL]), pitch=float(seen[PITCH]), yaw=float(seen[YAW]),

@@ -25,6 +25,8 @@ MOST_SQUEEZED = 0.1
 LEAST_OFFSET = 1e-6
 """Centres closer than this (m) are one."""
 ROLL_OVER = "weight and buoyancy do not right it in roll"
+SHORT, SELDOM = 0.05, 0.02
+"""A controller is short of what it asks for by more than the first share, in more than the second of a run."""
 LARGEST_RESIDUAL = 1e-3
 """Share of the energy exchanged above which a run is not to be trusted."""
 
@@ -35,6 +37,7 @@ def run_warnings(run: Run) -> Iterator[Problem]:
     yield from outside_data(run)
     yield from squeezed_too_far(run)
     yield from turning_over(run)
+    yield from short_of_control(run)
 
 
 def inaccurate(run: Run) -> Iterator[Problem]:
@@ -145,6 +148,26 @@ def _outside_water(run: Run) -> Iterator[Problem]:
             "it is held there",
             limit=times[-1],
         )
+
+
+def short_of_control(run: Run) -> Iterator[Problem]:
+    """Yield a warning for each of heave, pitch and roll moment that a controller asks for and the cells do not make."""
+    for name, words, unit in (
+        ("heave", "heave", "N"), ("pitch_moment", "pitch moment", "N m"), ("roll_moment", "roll moment", "N m"),
+    ):  # fmt: skip
+        asked, left = run.values.get(f"{name}_wanted"), run.values.get(f"{name}_missing")
+        if asked is None or left is None or not np.isfinite(left).any():
+            return
+        missing, wanted = np.nan_to_num(np.abs(left)), np.nan_to_num(np.abs(asked))
+        short = missing > SHORT * wanted.max()
+        if np.mean(short) > SELDOM:
+            worst = int(missing.argmax())
+            yield Problem(
+                "/mission/control/controller/allocation",
+                f"{_share(short)} of the run the cells make less {words} than is asked for, by up to "
+                f"{missing[worst]:.3g} of {wanted[worst]:.3g} {unit}",
+                limit=0.0, hint="ask for less, give cells longer strokes, or weigh what matters more",
+            )  # fmt: skip
 
 
 def squeezed_too_far(run: Run) -> Iterator[Problem]:

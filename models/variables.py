@@ -77,7 +77,8 @@ CONTROL_VARIABLES: dict[str, About] = {
     "heave_missing": ("N", "net buoyancy wanted that the cells cannot make"),
     "pitch_moment_missing": ("N m", "pitch moment wanted that the cells cannot make"),
     "roll_moment_missing": ("N m", "roll moment wanted that the cells cannot make"),
-    "leg": ("1", "leg of the way, or the set point of state feedback"),
+    "leg": ("1", "leg of the way, from 0; their number once the last is done"),
+    "set_point": ("1", "set point of state feedback, in its own unit"),
 }
 """What a controller shows, in the order in which the kernel keeps it; not a number where it does not apply."""
 VARIABLES: dict[str, Mapping[str, About]] = {"planar": _SHARED, "spatial": _SHARED | _SPATIAL_ONLY}

@@ -232,6 +232,7 @@ export class Lane {
   }
 
   addAt(event) {
+    if (this.schedule.controlled) return;
     const [x, y] = this.offset(event);
     const [time, extension] = this.snapped(this.scale.t(x), this.valueAt(y), event.altKey);
     this.hooks.onAdd(this, { time, extension, shape: "step" });

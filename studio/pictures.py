@@ -51,7 +51,8 @@ def polar(answer: wire.PolarAnswer, design: Design, path: Path) -> None:
     for k, curve in enumerate(answer.curves):
         color = PLOT_COLORS[k % len(PLOT_COLORS)]
         across = [trim.speed * math.cos(trim.glide_angle) for trim in curve.trims]
-        plot.plot(across, [-t.sink_rate for t in curve.trims], "-", color=color, label=f"heave {curve.heave:+.3g} N")
+        line = "-" if len(across) > 1 else "."
+        plot.plot(across, [-t.sink_rate for t in curve.trims], line, color=color, label=f"heave {curve.heave:+.3g} N")
         shaky = [(a, -t.sink_rate) for a, t in zip(across, curve.trims, strict=True) if not t.stable]
         if shaky:
             plot.plot(*zip(*shaky, strict=True), "x", color=color, markersize=4)
@@ -106,7 +107,7 @@ def _eigenvalues(plot: Axes, answer: small.LinearizeAnswer) -> None:
     plot.set_xlabel("growth, 1/s")
     plot.set_ylabel("angular frequency, rad/s")
     plot.set_title("Modes", fontsize=10)
-    plot.legend(fontsize=7, loc="upper right", bbox_to_anchor=(-0.2, 1.0))
+    plot.figure.legend(*plot.get_legend_handles_labels(), fontsize=7, loc="outside left upper")
 
 
 def stability(answer: small.StabilityAnswer, design: Design, path: Path) -> None:

@@ -87,6 +87,8 @@ A (3 × cells) holds what a stroke of each cell does to heave, pitch and roll, e
 cells on it; x is the extension from neutral in strokes. Weights say which axis counts more when the stops allow not
 all; efforts r_i, times {num(1e6 * LEAST_EFFORT, 0)} × 10⁻⁶, decide what the wish leaves open: four cells have one
 freedom more than axes. Moving masses fit in the same matrix, so the movable-mass twin flies by the same laws.
+A cell that is not under control counts as at neutral, wherever its schedule has it: leave out a failed cell, and the
+others know nothing of what it does.
 
 It is solved by its dual. With the misfit l = b − A x, each cell is x_i = clip(a_i · l / r_i): three unknowns, however
 many cells. The gradient of the dual is piecewise linear, so Newton's method with an exact line search ends after

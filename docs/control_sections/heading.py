@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from docs.control_studies import LESS_MOMENT, held, moves, peace, per_km, preset_run, ratchet, s_turn, slides
+from docs.control_studies import LESS_MOMENT, held, integrated, moves, peace, per_km, preset_run, s_turn, slides
 from docs.formatting import markdown_table, num, percent
 from docs.quad_studies import degrees
 from models.presets.quad_control import SAMPLE_TIME, SLOPE
@@ -17,7 +17,7 @@ SAMPLES = 3600.0 / SAMPLE_TIME
 
 def section() -> str:
     """Return the section."""
-    return f"{heading_text()}\n\n{ratchet_text()}\n\n{noise_text()}\n\n{s_turn_text()}\n"
+    return f"{heading_text()}\n\n{integral_text()}\n\n{noise_text()}\n\n{s_turn_text()}\n"
 
 
 def heading_text() -> str:
@@ -50,17 +50,18 @@ they change their sum: with the limit of the pitch loop at {num(LESS_MOMENT, 1)}
 {degrees(narrow.error, 0)}."""
 
 
-def ratchet_text() -> str:
-    """Tell why no loop integrates."""
-    found = ratchet()
-    return f"""### Why these loops do not integrate
+def integral_text() -> str:
+    """Tell what an integral does to pitch, and why these loops have none."""
+    found = integrated()
+    first, *later = (degrees(x) for x in found.with_it)
+    return f"""### An integral in pitch
 
-Anti-windup knows stops and limits, not rate limits. While the glider turns from dive to climb, pitch is off by a radian
-for half a minute; a slow integral adds that up and gives it back over the next dive, where it is added again. With
-k_i = {num(found.integral, 3)} N m/(rad s) the second half of {len(found.with_it)} dives is flown at
-{", ".join(degrees(x) for x in found.with_it)}, without it at {degrees(found.without[0])} throughout. A moment per phase
-(M_phase) does what the integral is for: it is known from the trim. An integral pays where a dive is long beside its
-turns, and where its time (stiffness over k_i) is short beside the dive."""
+Wanted are {degrees(found.target)} on dives. Without an integral they are flown at
+{degrees(found.without[0])}: the moment of the phase is near enough. With k_i = {num(found.integral, 3)} N m/(rad s)
+the first of {len(found.with_it)} dives is flown at {first}, the others at {", ".join(later)}. While the glider turns
+from dive to climb, pitch is off by a radian for half a minute; the limit of the loop cuts most of that off, and the
+integral gives it back. The cells' rate limits it does not know, so a loop whose limit is wide adds up some of each
+turn. These presets go without."""
 
 
 def noise_text() -> str:

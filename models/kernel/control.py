@@ -15,6 +15,7 @@ from models.kernel.control_layout import (
     FROM_X,
     FROM_Y,
     HEAVE,
+    LEG,
     MOST_PENDING,
     NONE,
     NORTH,
@@ -24,8 +25,10 @@ from models.kernel.control_layout import (
     ROLL,
     ROLL_RATE,
     SAMPLED,
+    SET_POINT,
     SURGE,
     SWAY,
+    WAYPOINTS,
     YAW,
     YAW_RATE,
 )
@@ -37,6 +40,9 @@ from models.kernel.noise import normal
 from models.kernel.search import last_not_above
 from models.kernel.spatial import attitude, water_velocity
 from models.kernel.spatial_layout import P, Q, R, U, V, W, X, Y, Z
+
+IN_PLANE = (DEPTH, PITCH, SURGE, HEAVE, PITCH_RATE, NORTH)
+"""What a planar glider can measure."""
 
 
 @compiled
@@ -58,14 +64,14 @@ def see(t, y, p, seen):
 
 
 @internal
-def blur(sample, c, seen):
-    """Add the noise of the instruments."""
+def blur(sample, c, spatial, seen):
+    """Add the noise of the instruments; a planar glider has none across its plane."""
     spread = (
         c.noise_depth, c.noise_attitude, c.noise_attitude, c.noise_attitude, c.noise_velocity, c.noise_velocity,
         c.noise_velocity, c.noise_rate, c.noise_rate, c.noise_rate, c.noise_place, c.noise_place,
     )  # fmt: skip
     for j in range(len(spread)):
-        if spread[j] > 0.0:
+        if spread[j] > 0.0 and (spatial or j in IN_PLANE):
             seen[j] += spread[j] * normal(c.seed, sample, j)
 
 
@@ -93,9 +99,12 @@ def note(t, kind, record):
 
 
 @internal
-def set_off(y, p, work):
+def set_off(p, work):
     """Prepare the memory at the first sample: the phase to begin with, and where the first leg begins."""
     c, memory = p.control[0], work.memory
+    if c.lateral != WAYPOINTS:
+        memory[LEG] = math.nan
+    memory[SET_POINT] = math.nan
     memory[PHASE] = 1.0 if c.starts_climbing != 0 else 0.0
     memory[FROM_X], memory[FROM_Y] = work.seen[NORTH], work.seen[EAST]
 
@@ -107,14 +116,14 @@ def take_sample(t, y, p, work, record):
     sample = work.clock[SAMPLED]
     see(t, y, p, work.seen)
     if sample == 0.0:
-        set_off(y, p, work)
-    blur(int(sample), c, work.seen)
+        set_off(p, work)
+    blur(int(sample), c, p.space[0].spatial != 0, work.seen)
     queued = work.pending[int(sample) % MOST_PENDING]
     if c.kind == CASCADE:
         fly_cascade(t, p, work, record, queued)
     else:
         first = p.space[0].extensions
-        feed_back(t, work.seen, y, c, p.cells, p.gains, p.setpoints, p.chosen, first, work.memory, queued)
+        feed_back(t, work.seen, y, c, p.cells, p.gains, p.setpoints, p.chosen, first, work.memory, work.share, queued)
     work.clock[SAMPLED] = sample + 1.0
 
 

@@ -38,19 +38,17 @@ integral gives back what the cells cannot do."""
 
 (
     PHASE, PITCH_TARGET, ROLL_TARGET, HEADING_TARGET,
-    HEAVE_WANTED, PITCH_WANTED, ROLL_WANTED, HEAVE_MISSING, PITCH_MISSING, ROLL_MISSING, LEG,
-) = range(11)  # fmt: skip
-SHOWN = 11
+    HEAVE_WANTED, PITCH_WANTED, ROLL_WANTED, HEAVE_MISSING, PITCH_MISSING, ROLL_MISSING, LEG, SET_POINT,
+) = range(12)  # fmt: skip
+SHOWN = 12
 """First entries of the memory, which a result shows: phase (0 dive, 1 climb), targets, what was asked of the cells and
-what they could not do, and the leg of the way or the set point in force."""
-PITCH_INTEGRAL, ROLL_INTEGRAL, HEADING_INTEGRAL = 11, 13, 15
+what they could not do, the leg of the way, and the set point of state feedback."""
+PITCH_INTEGRAL, ROLL_INTEGRAL, HEADING_INTEGRAL = 12, 14, 16
 """Integrals, one for dives and one for climbs; the state feedback's begin at the first."""
-PATH_INTEGRAL, AWAY, FROM_X, FROM_Y = 17, 18, 19, 20
-PITCH_CUT, ROLL_CUT = 21, 22
+PATH_INTEGRAL, AWAY, FROM_X, FROM_Y = 18, 19, 20, 21
+PITCH_CUT, ROLL_CUT = 22, 23
 """What the limits of the loops cut off."""
 MEMORY = 32
-MOST_INTEGRALS = 8
-"""Of the state feedback."""
 
 SAMPLED, APPLIED, NEXT_STEP, LAST_ERROR = range(4)
 CLOCK = 4

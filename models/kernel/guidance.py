@@ -64,16 +64,23 @@ def next_leg(seen, c, waypoints, memory):
         memory[FROM_X], memory[FROM_Y] = waypoints[leg, 0], waypoints[leg, 1]
         memory[LEG] = (leg + 1) % waypoints.shape[0]
         memory[PATH_INTEGRAL] = 0.0
-        return True
-    return False
+    else:
+        memory[LEG] = leg + 1  # beyond the last: on along its leg
+    return True
 
 
 @internal
 def heading_along(seen, c, waypoints, memory):
-    """Return the heading along the leg by integral line of sight (Borhaug, Pavlov, Pettersen, 2008)."""
-    leg = int(memory[LEG])
+    """Return the heading along the leg by integral line of sight (Borhaug, Pavlov, Pettersen, 2008).
+
+    Without a lookahead it is straight for the waypoint, and past the last one the course of its leg.
+    """
+    done = int(memory[LEG]) >= waypoints.shape[0]
+    leg = min(int(memory[LEG]), waypoints.shape[0] - 1)
     course = math.atan2(waypoints[leg, 1] - memory[FROM_Y], waypoints[leg, 0] - memory[FROM_X])
     if c.lookahead <= 0.0:
+        if done:
+            return course
         return math.atan2(waypoints[leg, 1] - seen[EAST], waypoints[leg, 0] - seen[NORTH])
     off_x, off_y = seen[NORTH] - memory[FROM_X], seen[EAST] - memory[FROM_Y]
     across = math.cos(course) * off_y - math.sin(course) * off_x

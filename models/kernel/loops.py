@@ -10,7 +10,6 @@ from models.kernel.control_layout import (
     HEADING_TARGET,
     HEAVE_MISSING,
     HEAVE_WANTED,
-    LEG,
     MEASURED,
     NO_LATERAL,
     PHASE,
@@ -28,6 +27,8 @@ from models.kernel.control_layout import (
     ROLL_RATE,
     ROLL_TARGET,
     ROLL_WANTED,
+    SET_POINT,
+    SHOWN,
     YAW,
     YAW_RATE,
 )
@@ -150,21 +151,22 @@ def departure(seen, y, k, chosen, first, low, share, gains, cells):
 
 
 @internal
-def feed_back(t, seen, y, c, cells, gains, setpoints, chosen, first, memory, out):
+def feed_back(t, seen, y, c, cells, gains, setpoints, chosen, first, memory, over, out):
     """Write e = e0 - K (x - x0) - K_I (integral of the first errors) into `out`, by part.
 
-    A row of `gains` is [value of the set point, e0 (cells), x0 (states), K (cells by states and integrals)]. The
-    integrals stand still while a cell is at a stop.
+    A row of `gains` is [value of the set point, e0 (cells), x0 (states), K (cells by states and integrals)]. An
+    integral stands still while it would push a cell farther beyond its stop; `over` (cells,) is scratch.
     """
     n, m, k_i = cells.shape[0], chosen.shape[0], c.integrals
     value = set_point(t, setpoints)
-    memory[LEG] = value
+    for j in range(SHOWN):
+        memory[j] = math.nan
+    memory[SET_POINT] = value
     low = last_not_above(value, gains[:, 0])
     share = 0.0
     if low + 1 < gains.shape[0]:
         share = clipped((value - gains[low, 0]) / (gains[low + 1, 0] - gains[low, 0]), 1.0)
         share = max(share, 0.0)
-    stopped = False
     for i in range(n):
         at = 1 + n + m + i * (m + k_i)
         command = blended(gains, low, share, 1 + i)
@@ -174,9 +176,12 @@ def feed_back(t, seen, y, c, cells, gains, setpoints, chosen, first, memory, out
             command -= blended(gains, low, share, at + m + k) * memory[PITCH_INTEGRAL + k]
         lowest = cells[i, BASE] + cells[i, SPAN] * cells[i, LOW]
         highest = cells[i, BASE] + cells[i, SPAN] * cells[i, HIGH]
-        stopped |= not lowest < command < highest
+        over[i] = 1.0 if command >= highest else (-1.0 if command <= lowest else 0.0)
         out[int(cells[i, PART])] = min(max(command, lowest), highest)
-    for k in range(0 if stopped else k_i):
-        memory[PITCH_INTEGRAL + k] += c.sample_time * departure(seen, y, k, chosen, first, low, share, gains, n)
-    for j in range(PITCH_TARGET, LEG):
-        memory[j] = math.nan
+    for k in range(k_i):
+        step = c.sample_time * departure(seen, y, k, chosen, first, low, share, gains, n)
+        worse = False
+        for i in range(n):
+            worse |= over[i] * blended(gains, low, share, 1 + n + m + i * (m + k_i) + m + k) * step < 0.0
+        if not worse:
+            memory[PITCH_INTEGRAL + k] += step

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+import numba
 import numpy as np
 
-from models.kernel.jit import internal
+from models.kernel.jit import compiled, internal
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 FIRST_MIX = np.uint64(0xBF58476D1CE4E5B9)
@@ -21,7 +22,7 @@ def scrambled(x):
     return x ^ (x >> np.uint64(31))
 
 
-@internal
+@compiled
 def normal(seed, sample, channel):
     """Return a normal number of mean 0 and deviation 1 (Box, Muller, 1958)."""
     key = scrambled(np.uint64(seed) * GOLDEN + np.uint64(sample))
@@ -30,3 +31,7 @@ def normal(seed, sample, channel):
     u = (np.float64(first >> np.uint64(11)) + 0.5) * (1.0 / 9007199254740992.0)
     v = np.float64(second >> np.uint64(11)) * (1.0 / 9007199254740992.0)
     return math.sqrt(-2.0 * math.log(u)) * math.cos(2.0 * math.pi * v)
+
+
+if numba.config.DISABLE_JIT:  # as plain Python the products, which are meant to wrap around, would warn
+    scrambled, normal = np.errstate(over="ignore")(scrambled), np.errstate(over="ignore")(normal)

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from models.assemble import assemble
+from models.controllers import Noise
 from models.design import Design, parse_design
+from models.own_controller import simulate_with
 from models.presets import load_preset
 from models.problems import DesignError
 from models.run import Run, Status
+from models.run_warnings import run_warnings
 from models.simulate import simulate
 
 YOYO = {"kind": "depth_band", "top": 5.0, "bottom": 25.0, "dive_heave": -4.0, "climb_heave": 4.0}
@@ -151,6 +160,49 @@ def test_state_feedback_with_no_gains_holds_its_trim():
     assert [final[name] for name in cells] == pytest.approx([0.03, 0.06], abs=1e-6)
 
 
+def test_an_integral_stops_at_a_stop_and_comes_back():
+    """A cell driven against its stop by the integral: it leaves the stop as soon as the error turns round."""
+    point = {"value": 0.0, "extensions": [0.05], "state": [-20.0], "gains": [[0.0, 2e-4]]}
+    ends = [point, point | {"value": 1.0, "state": [20.0]}]
+    document = controlled(400.0).model_dump(mode="json")
+    document["mission"]["control"]["controller"] = {
+        "kind": "state_feedback", "cells": ["Front port cell"], "states": ["z"], "integrals": 1, "points": ends,
+        "set_points": [{"time": 0.0, "value": 1.0}, {"time": 200.0, "value": 1.0}, {"time": 200.5, "value": 0.0}],
+    }  # fmt: skip
+    run = simulate(parse_design(document))
+    command = run.cell_values["command"][:, run.cells.index("Front port cell")]
+    assert np.isnan(run.values["phase"]).all() and run.values["set_point"][0] == 1.0
+    assert command.max() == 0.1  # the depth stays below 20 m, so the integral drives the cell out to its stop
+    first = int(np.argmax(command == 0.1))
+    assert np.all(command[first : int(np.searchsorted(run.times, 200.0))] == 0.1)
+    # then the error has the other sign; the integral stood still a step beyond the stop, not the worth of 200 s
+    turned = run.times[first + int(np.argmax(command[first:] < 0.1))]
+    assert 200.5 < turned < 205.0
+
+
+def test_a_planar_glider_has_no_noise_across_its_plane():
+    pitch = {"dive": -0.5, "loop": {"proportional": 0.02, "derivative": 0.05, "limit": 0.07}}
+    noise = {"attitude": 0.01, "place": 1.0, "seed": 4}
+    seen = []
+    design = controlled(20.0, preset="three-cell-glider", vertical={"kind": "heave", "heave": -0.15}, pitch=pitch)
+    control = design.mission.control.model_copy(update={"controller": None})
+    open_loop = design.model_copy(update={"mission": design.mission.model_copy(update={"control": control})})
+    simulate_with(open_loop, lambda m: seen.append(m) or {}, sample_time=1.0, noise=Noise.model_validate(noise))
+    assert {m.roll for m in seen} == {m.yaw for m in seen} == {m.east for m in seen} == {0.0}
+    assert len({m.pitch - s.pitch for m, s in pairwise(seen)}) > 10
+
+
+def test_noise_also_runs_as_plain_python():
+    script = "from models.kernel.noise import normal; print([normal(7, k, 2) for k in range(3)])"
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", script], cwd=Path(__file__).parents[2], capture_output=True, text=True,
+        check=True, env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+    )  # fmt: skip
+    from models.kernel.noise import normal
+
+    assert json.loads(done.stdout) == pytest.approx([normal(7, k, 2) for k in range(3)], rel=1e-14)
+
+
 def test_set_points_blend_the_table():
     point = {"state": [0.0], "gains": [[0.0]]}
     points = [point | {"value": 0.0, "extensions": [0.04]}, point | {"value": 1.0, "extensions": [0.06]}]
@@ -197,3 +249,38 @@ def test_a_cell_cannot_follow_both_schedule_and_controller():
 def test_a_planar_glider_has_no_bank():
     with pytest.raises(DesignError, match="no bank and no heading"):
         assemble(controlled(preset="three-cell-glider", lateral=HEADING))
+
+
+def test_what_a_controller_cannot_get_is_warned_of():
+    band = {"kind": "depth_band", "top": 5.0, "bottom": 500.0, "dive_heave": -50.0, "climb_heave": 4.0}
+    warnings = {w.pointer.rpartition("/")[2]: w.message for w in assemble(controlled(vertical=band)).warnings}
+    assert "at or below the bed at 120 m" in warnings["bottom"]
+    assert "-50 N are asked of cells that make -7.67 to +7.67 N" in warnings["dive_heave"]
+    assert "climb_heave" not in warnings
+
+
+def test_a_controllers_samples_are_bounded():
+    with pytest.raises(DesignError, match="samples of the controller exceed the limit") as error:
+        assemble(controlled(6000.0, sample_time=0.001))
+    assert error.value.problems[0].pointer == "/mission/control/controller/sample_time"
+
+
+def test_a_run_tells_what_its_cells_could_not_make():
+    asked = simulate(controlled(200.0, vertical={"kind": "heave", "heave": -12.0}))
+    (told,) = [w for w in run_warnings(asked) if w.pointer.endswith("/allocation") and "less heave" in w.message]
+    assert "of 12 N" in told.message
+    calm = simulate(controlled(200.0, vertical={"kind": "heave", "heave": -4.0}))
+    assert not [w for w in run_warnings(calm) if "less heave" in w.message]
+
+
+def test_a_table_stays_within_the_stops_and_set_points_within_the_table():
+    points = [{"value": v, "extensions": [e], "state": [0.0], "gains": [[0.0]]} for v, e in ((0.0, -0.7), (1.0, 0.05))]
+    document = controlled().model_dump(mode="json")
+    document["mission"]["control"]["controller"] = {
+        "kind": "state_feedback", "cells": ["Front port cell"], "states": ["theta"], "points": points,
+        "set_points": [{"time": 0.0, "value": 99.0}],
+    }  # fmt: skip
+    with pytest.raises(DesignError) as error:
+        assemble(parse_design(document))
+    at = "/mission/control/controller"
+    assert [p.pointer for p in error.value.problems] == [f"{at}/points/0/extensions/0", f"{at}/set_points/0/value"]

@@ -134,8 +134,8 @@ def test_waypoints_are_visited_in_order_and_within_their_radius(rounds):
 def test_without_repeat_the_last_leg_goes_on(rounds):
     run, _ = round_trip(repeat=False, duration=5400.0)
     times = [event.time for event in run.events if event.kind == "waypoint"]
-    assert times == [event.time for event in rounds[0].events if event.kind == "waypoint"][:2]
-    assert run.final["leg"] == 2.0
+    assert times[:2] == [event.time for event in rounds[0].events if event.kind == "waypoint"][:2]
+    assert len(times) == 3 and run.values["leg"][-1] == 3.0  # the last is reached once, and passed
     assert run.final["x"] < -100.0 and run.final["y"] == pytest.approx(run.final["x"], abs=5.0)
 
 
@@ -222,6 +222,34 @@ def test_back_calculation_gives_back_what_a_loops_limit_cuts_off():
         assert run.final["phi"] == pytest.approx(0.1, abs=1e-4)
         overshoot.append(float(run.values["phi"].max()) - 0.1)
     assert overshoot[0] < 1e-3 < 0.2 * overshoot[1]
+
+
+def test_past_its_last_place_it_holds_on_along_the_leg():
+    """Without a lookahead it heads straight for the place; once there it goes on, and does not circle."""
+    guidance = {"kind": "waypoints", "points": [[60.0, 0.0]], "radius": 10.0}
+    run = flown(sinking(guidance), 900.0)
+    (reached,) = [event.time for event in run.events if event.kind == "waypoint"]
+    assert run.final["x"] > 120.0 and abs(run.final["y"]) < 1.0
+    assert np.abs(run.values["psi"][run.times > reached]).max() < 0.05
+
+
+@pytest.mark.parametrize("heave", [-FAST.heave, FAST.heave])
+def test_a_held_heave_is_a_dive_or_a_climb_by_its_sign(heave):
+    """Lift points down on a climb: the heading is held only if the bank's sense follows."""
+    controller = cascade({"kind": "heading", "heading": 0.8}) | {"deadband": 0.0}
+    controller["vertical"] = {"kind": "heave", "heave": heave}
+    controller["pitch"]["dive"] = math.copysign(0.5, heave)
+    run = flown(controller, 300.0, initial={"position": [0.0, 0.0, 85.0]}, yaw=0.4)
+    assert np.all(run.values["phase"] == (1.0 if heave > 0.0 else 0.0))
+    assert run.final["psi"] == pytest.approx(0.8, abs=0.02)
+    assert run.final["theta"] == pytest.approx(math.copysign(0.5, heave), abs=0.1)  # P and D alone
+
+
+def test_integrals_are_given_back_within_a_sample_at_most():
+    """A give-back faster than the samples would swing: the gain of a step is one at most."""
+    pitch = {"dive": -0.5, "loop": {"proportional": 0.5, "integral": 0.01, "derivative": 2.0, "limit": 0.6}}
+    runs = [flown(sinking(None, sample_time=10.0, unwind_time=unwind, pitch=pitch), 900.0) for unwind in (0.1, 10.0)]
+    np.testing.assert_array_equal(runs[0].values["theta"], runs[1].values["theta"])
 
 
 def test_a_way_of_one_place_cannot_repeat():
