@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from models.kernel.steady import EXTENSIONS
+from models.kernel.steady import EXTENSIONS, ROWS
 from models.steady_problem import SteadyProblem, speed_of
 
 Array = NDArray[np.float64]
@@ -30,6 +30,8 @@ FALLS = 0.3
 """Share of what a linear law would lessen that a step has to lessen; a smaller one lets the steps zigzag."""
 SNAPS = 1e-4
 """An extension this near to a stop (in strokes) is put there."""
+ANGLES = [ROWS.index("pitch"), ROWS.index("roll")]
+"""Rows that are the same again after a whole turn."""
 DECISIVE = 1e3
 """Weight of the rows that must hold over those that may give."""
 
@@ -43,7 +45,7 @@ class BoundedSearch:
     def __init__(
         self, problem: SteadyProblem, rows: Indices, free: Indices, *, wanted: Array, scale: Array, speed: float
     ) -> None:
-        self.problem, self.rows, self.wanted, self.scale = problem, rows, wanted[rows], scale[rows]
+        self.problem, self.rows, self.wanted, self.scale = problem, rows, wanted, scale
         self.unknowns = np.concatenate([problem.motion_unknowns, free])
         self.free, self.motions = free, len(problem.motion_unknowns)
         self.span = problem.longest(speed)[self.unknowns]
@@ -56,13 +58,14 @@ class BoundedSearch:
 
     def misfit(self, motion: Array) -> Array:
         """Return the scaled rows less what is wanted, (r,)."""
-        return np.asarray((self.problem.rows(motion)[self.rows] - self.wanted) / self.scale, dtype=np.float64)
+        return off_target(self.problem.rows(motion), self.wanted)[self.rows] / self.scale[self.rows]
 
     def linearised(self, motion: Array) -> tuple[Array, Array]:
         """Return the misfit and its slopes by the scaled unknowns, (r,) and (r, unknowns)."""
         f, slope = self.problem.slopes(motion, self.steps)
-        J = slope[np.ix_(self.rows, self.unknowns)] * self.span / self.scale[:, None]
-        return (f[self.rows] - self.wanted) / self.scale, J
+        scale = self.scale[self.rows]
+        J = slope[np.ix_(self.rows, self.unknowns)] * self.span / scale[:, None]
+        return off_target(f, self.wanted)[self.rows] / scale, J
 
     def solve(self, start: Array) -> tuple[Array, float]:
         """Return the motion reached from a start (unknowns,), and the size of its scaled misfit."""
@@ -156,6 +159,13 @@ class BoundedSearch:
                 if abs(found.x[self.motions + k] - stop) < SNAPS:
                     s[index] = stop * self._stroke[k]
         return s
+
+
+def off_target(rows: Array, wanted: Array) -> Array:
+    """Return the rows of the kernel less what is wanted of each, (rows,), angles within a half turn."""
+    off = rows - wanted
+    off[ANGLES] -= math.tau * np.round(off[ANGLES] / math.tau)
+    return off
 
 
 def typical_speed(starts: Array) -> float:

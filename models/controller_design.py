@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from models.assemble import Assembly
 from models.controller_options import ControllerOptions, StepOptions, TrimOptions
 from models.controllers import StateFeedback
 from models.design import Design
@@ -33,6 +34,8 @@ from models.loop_response import (
 from models.modes import NEUTRAL, Modes, modes_of
 from models.operating_point import OperatingPoint, point_of
 from models.problems import DesignError, Problem
+from models.simulate import Control
+from models.steady_problem import assembly_of
 from models.targeted_trim import trim_for
 from models.trim import Trim, find_trims
 
@@ -49,7 +52,8 @@ class ControllerDesign:
     """A state feedback about one trim.
 
     `gains` (cells, states + integrals), m (or rad) by the state's unit; `open_loop` and `closed_loop` modes (1/s), the
-    latter those of the sampled loop as if continuous, s = log(z) / T; `margins` None where it is not stable.
+    latter those of the sampled loop as if continuous, s = log(z) / T; `margins` None where it is not stable. `response`
+    is that to a step and `recovery` the way back from departures, None where the options ask for none.
     """
 
     problem: FeedbackProblem
@@ -59,6 +63,7 @@ class ControllerDesign:
     closed_loop: Modes
     margins: LoopMargins | None
     response: LoopResponse | None
+    recovery: LoopResponse | None
     warnings: tuple[str, ...]
 
     @property
@@ -88,14 +93,18 @@ class ControllerDesign:
             "gains": self.gains.tolist(), "stable": self.stable, "open_loop": self.open_loop.as_dict(),
             "closed_loop": self.closed_loop.as_dict(),
             "margins": None if self.margins is None else self.margins.as_dict(),
-            "response": None if self.response is None else self.response.as_dict(), "warnings": list(self.warnings),
+            "response": None if self.response is None else self.response.as_dict(),
+            "recovery": None if self.recovery is None else self.recovery.as_dict(), "warnings": list(self.warnings),
         }  # fmt: skip
 
 
 def design_controller(
-    design: Design, options: ControllerOptions | None = None, *, limits: Limits = DEFAULT_LIMITS
-) -> ControllerDesign:
-    """Return a state feedback of a design about the trim that the options ask for, and its step response if asked.
+    design: Design | Assembly, options: ControllerOptions | None = None, *, limits: Limits = DEFAULT_LIMITS,
+    control: Control | None = None,
+) -> ControllerDesign:  # fmt: skip
+    """Return a state feedback of a design about the trim that the options ask for, and its responses if asked.
+
+    Flights keep within the limits; `control` stops them.
 
     Raises
     ------
@@ -107,13 +116,15 @@ def design_controller(
     if chosen.table is not None:
         hint = "use models.gain_table.design_table, or leave the table out"
         raise DesignError([Problem("/options/table", "this designs for one trim", hint=hint)])
-    trim = trim_of_options(design, chosen)
-    return design_about(design, point_of(trim, heading=chosen.trim.heading), chosen, limits=limits)
+    assembly = assembly_of(design)
+    point = point_of(trim_of_options(assembly, chosen), heading=chosen.trim.heading)
+    return design_about(assembly, point, chosen, limits=limits, control=control)
 
 
 def design_about(
-    design: Design, point: OperatingPoint, options: ControllerOptions, *, limits: Limits = DEFAULT_LIMITS
-) -> ControllerDesign:
+    design: Design | Assembly, point: OperatingPoint, options: ControllerOptions, *, limits: Limits = DEFAULT_LIMITS,
+    control: Control | None = None,
+) -> ControllerDesign:  # fmt: skip
     """Return a state feedback about an operating point, which should be a trim.
 
     Raises
@@ -127,13 +138,18 @@ def design_about(
     model = problem.whole()
     closed = model.modes(model.closed(problem.widened(gains)))
     margins = loop_margins(problem, gains)
-    response = None if options.step is None else set_point_step(problem, gains, options.step, limits=limits)
+    response = recovery = None
+    if options.step is not None:
+        response = set_point_step(problem, gains, options.step, limits=limits, control=control)
+    if options.departures:
+        duration = options.recovery_duration
+        recovery = departure(problem, gains, options.departures, duration=duration, limits=limits, control=control)
     warnings = (*_warnings(problem, closed, margins), *said)
-    if response is not None:
-        warnings += response.warnings
+    for each in (response, recovery):
+        warnings += () if each is None else each.warnings
     controller = feedback_of(problem, (gain_point(problem, gains, point, 0.0),))
     opened = modes_of(problem.model.A, problem.model.state_names)
-    return ControllerDesign(problem, gains, controller, opened, closed, margins, response, warnings)
+    return ControllerDesign(problem, gains, controller, opened, closed, margins, response, recovery, warnings)
 
 
 def gains_for(problem: FeedbackProblem) -> tuple[Array, tuple[str, ...]]:
@@ -173,7 +189,7 @@ def _not_known(problem: FeedbackProblem) -> tuple[str, ...]:
     return tuple(words)
 
 
-def trim_of_options(design: Design, options: ControllerOptions) -> Trim:
+def trim_of_options(design: Design | Assembly, options: ControllerOptions) -> Trim:
     """Return the steady motion that the options ask for.
 
     Raises
@@ -183,7 +199,7 @@ def trim_of_options(design: Design, options: ControllerOptions) -> Trim:
 
     """
     try:
-        return _trim_of(design, options.trim)
+        return _trim_of(assembly_of(design), options.trim)
     except DesignError as error:
         raise DesignError(
             replace(p, pointer=p.pointer.replace("/options/", "/options/trim/", 1))
@@ -192,18 +208,17 @@ def trim_of_options(design: Design, options: ControllerOptions) -> Trim:
         ) from None  # fmt: skip
 
 
-def _trim_of(design: Design, wanted: TrimOptions) -> Trim:
+def _trim_of(assembly: Assembly, wanted: TrimOptions) -> Trim:
     if wanted.targets:
-        moving = [part.name for _, part in design.vehicle.actuated]
-        found = trim_for(
-            design, wanted.targets, wanted.free or moving, extensions=wanted.extensions, depth=wanted.depth
-        )
+        free = wanted.free or assembly.cells
+        found = trim_for(assembly, wanted.targets, free, extensions=wanted.extensions, depth=wanted.depth)
         if isinstance(found, Trim):
             return found
         raise DesignError([Problem("/options/trim/targets", f"no trim meets them: {found}")])
-    search = find_trims(design, extensions=wanted.extensions, depth=wanted.depth)
+    search = find_trims(assembly, extensions=wanted.extensions, depth=wanted.depth)
     if not search.solutions:
-        message, hint = f"no steady motion: {search.searched}", "give extensions that drive it, or targets"
+        message = f"no steady motion: {search.searched}"
+        hint = "say which motion by options.trim.targets (--target speed=0.3), or give extensions that drive one"
         raise DesignError([Problem("/options/trim/extensions", message, hint=hint)])
     return search.solutions[0]
 

@@ -16,7 +16,10 @@ Deviation = Annotated[float, Field(strict=True, gt=0.0, le=1e6)]
 Share = Annotated[float, Field(strict=True, gt=0.0, le=1.0)]
 Part = Annotated[float, Field(strict=True, ge=-1e4, le=1e4)]
 Pole = tuple[Part, Part]
+Departure = Annotated[float, Field(strict=True, ge=-10.0, le=10.0)]
 Target = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
+MOST_TRIMS = 50
+"""Trims of one table: each is sought, designed for and looked at in about a second."""
 STEPPED = ("theta", "phi", "psi", "u")
 """States whose set point can be stepped."""
 
@@ -42,7 +45,7 @@ class TrimOptions(Description):
 
 
 class StepOptions(Description):
-    """A step of one set point, or a departure of one state at the start, flown to see how the loop answers."""
+    """A step of one set point at the start, flown to see how the loop answers."""
 
     state: Literal["theta", "phi", "psi", "u"] = text("Which state is asked to change.", default="theta")
     amount: float = quantity("By how much, rad or m/s.", unit="1", symbol="a", ge=-10.0, le=10.0, default=0.02)
@@ -62,7 +65,7 @@ class TableOptions(Description):
         "Which target the table is over.", default="glide_angle"
     )
     values: tuple[Target, ...] = vector(
-        "Its values, in rising order.", unit="rad or m/s", symbol="s", min_length=2, max_length=200
+        "Its values, in rising order.", unit="rad or m/s", symbol="s", min_length=2, max_length=MOST_TRIMS
     )
     set_points: tuple[SetPoint, ...] = text("What is asked for over time.", default=(), max_length=10_000)
 
@@ -120,6 +123,13 @@ class ControllerOptions(Description):
         unit="s", symbol="T_d", ge=0.0, le=1e4, default=0.0,
     )  # fmt: skip
     step: StepOptions | None = text("A step to fly; none if not given.", default=None)
+    departures: dict[Name, Departure] = vector(
+        "Departures of states from the trim at the start, from which the loop is flown back; the first is watched.",
+        unit="rad, m/s, rad/s", symbol="dx_0", default={},
+    )  # fmt: skip
+    recovery_duration: float = quantity(
+        "How long to watch the way back from departures.", unit="s", symbol="t_end", gt=0.0, le=1e5, default=120.0
+    )
     table: TableOptions | None = text("A table of gains over a target; one trim if not given.", default=None)
 
     @model_validator(mode="after")

@@ -7,12 +7,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from models.assemble import Assembly
 from models.controller_design import ControllerDesign, design_controller
 from models.controller_options import ControllerOptions
 from models.design import Design
 from models.gain_table import GainTable, design_table
 from models.limits import DEFAULT_LIMITS, Limits
 from models.problems import DesignError, Problem, problems_from_validation
+from models.simulate import Control
 
 
 def controller_options(given: Mapping[str, Any]) -> ControllerOptions:
@@ -32,9 +34,12 @@ def controller_options(given: Mapping[str, Any]) -> ControllerOptions:
 
 
 def design_as_asked(
-    design: Design, options: ControllerOptions | Mapping[str, Any], *, limits: Limits = DEFAULT_LIMITS
-) -> ControllerDesign | GainTable:
+    design: Design | Assembly, options: ControllerOptions | Mapping[str, Any], *, limits: Limits = DEFAULT_LIMITS,
+    control: Control | None = None,
+) -> ControllerDesign | GainTable:  # fmt: skip
     """Return the state feedback about one trim, or the table of them, that the options ask for.
+
+    Flights keep within the limits; `control` stops them, and a table between its rows.
 
     Both have `controller` (the document for a mission), `mission(duration=...)`, `warnings` and `as_dict()`.
 
@@ -46,5 +51,5 @@ def design_as_asked(
     """
     asked = options if isinstance(options, ControllerOptions) else controller_options(options)
     if asked.table is not None:
-        return design_table(design, asked, limits=limits)
-    return design_controller(design, asked, limits=limits)
+        return design_table(design, asked, limits=limits, control=control)
+    return design_controller(design, asked, limits=limits, control=control)

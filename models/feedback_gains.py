@@ -113,9 +113,9 @@ def placed_gains(model: SampledModel, poles: Sequence[complex], *, states: Array
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # that the last digits of robustness were not reached
-            from scipy.signal import place_poles  # loading it takes most of a second
+            import control  # loading it takes most of a second
 
-            gains = shared @ place_poles(F, G @ shared, wanted, method="YT").gain_matrix
+            gains = shared @ control.place(F, G @ shared, wanted)
     except (ValueError, np.linalg.LinAlgError) as error:
         hint = "ask for poles nearer to those of the glider, or further apart"
         raise DesignError([Problem("/options/poles", f"these poles cannot be placed: {error}", hint=hint)]) from error

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.allocation import Effectiveness, effectiveness
-from models.assemble import assemble
+from models.assemble import Assembly
 from models.controllability import SCALE, USUAL_SCALE, controllability
 from models.controller_options import ControllerOptions
 from models.controllers import MEASURED
@@ -24,6 +24,7 @@ from models.modes import EXTENSION, NEUTRAL, Mode
 from models.operating_point import OperatingPoint
 from models.problems import DesignError, Problem, pointer_to
 from models.sampled_model import SampledModel, sampled_model
+from models.steady_problem import assembly_of
 
 Array = NDArray[np.float64]
 SPATIAL_CHOICES = (
@@ -45,7 +46,7 @@ class FeedbackProblem:
     (cells,) are the largest acceptable departures; `extensions` (cells,) and `state` (states,) the trim.
     """
 
-    design: Design
+    assembly: Assembly
     point: OperatingPoint
     options: ControllerOptions
     cells: Effectiveness
@@ -58,6 +59,11 @@ class FeedbackProblem:
     extensions: Array
     state: Array
     notes: tuple[str, ...]
+
+    @property
+    def design(self) -> Design:
+        """The glider."""
+        return self.assembly.design
 
     @property
     def strokes(self) -> Array:
@@ -86,7 +92,7 @@ class FeedbackProblem:
         return np.hstack([gains[:, :n], np.zeros((len(gains), others)), gains[:, n:]])
 
 
-def feedback_problem(design: Design, point: OperatingPoint, options: ControllerOptions) -> FeedbackProblem:
+def feedback_problem(design: Design | Assembly, point: OperatingPoint, options: ControllerOptions) -> FeedbackProblem:
     """Return the problem of a design about an operating point.
 
     Raises
@@ -95,7 +101,8 @@ def feedback_problem(design: Design, point: OperatingPoint, options: ControllerO
         Where a cell or state is unknown, cannot be held in this trim, or belongs to a mode that the cells cannot move.
 
     """
-    cells = effectiveness(design, options.cells, pointer="/options/cells")
+    assembly = assembly_of(design)
+    cells = effectiveness(assembly.design, options.cells, pointer="/options/cells")
     most = (MOST_PENDING - 1) * options.sample_time
     if options.delay > most:
         message = f"delay {options.delay:g} s is more than {MOST_PENDING - 1} samples of {options.sample_time:g} s"
@@ -103,7 +110,7 @@ def feedback_problem(design: Design, point: OperatingPoint, options: ControllerO
         raise DesignError([Problem("/options/delay", message, limit=most, hint=hint)])
     if not cells.cells:
         raise DesignError([Problem("/options/cells", "no component moves: there is nothing to control with")])
-    model = _of_cells(linearize(assemble(design), point), cells)
+    model = _of_cells(linearize(assembly, point), cells)
     states, notes = chosen_states(model, cells, options)
     kept = [name for name in model.state_names if name not in ("z", "psi") or name in states]
     fed = [_signal_of(name, cells) for name in states]
@@ -118,7 +125,7 @@ def feedback_problem(design: Design, point: OperatingPoint, options: ControllerO
         raise DesignError(problems)
     at = dict(zip(model.state_names, (signal.value for signal in model.states), strict=True))
     return FeedbackProblem(
-        design=design, point=point, options=options, cells=cells, states=states, model=model, A=A, B=B,
+        assembly=assembly, point=point, options=options, cells=cells, states=states, model=model, A=A, B=B,
         deviations=np.array([deviation[name] for name in states]), commands=np.array(share) * cells.span,
         extensions=np.array([signal.value for signal in model.inputs]), state=np.array([at[name] for name in fed]),
         notes=tuple(notes),

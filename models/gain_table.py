@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from models.assemble import Assembly
 from models.controller_design import RATES, ControllerDesign, design_about, trim_of_options
 from models.controller_options import ControllerOptions, TrimOptions
 from models.controllers import SetPoint, StateFeedback
@@ -19,6 +20,8 @@ from models.loop_response import feedback_of, gain_point, mission_from
 from models.operating_point import OperatingPoint, point_of
 from models.problems import DesignError, Problem
 from models.sampled_model import radius_of
+from models.simulate import Control
+from models.steady_problem import assembly_of
 from models.targeted_trim import trim_for
 from models.trim import Trim
 
@@ -51,35 +54,46 @@ class GainTable:
         }  # fmt: skip
 
 
-def design_table(design: Design, options: ControllerOptions, *, limits: Limits = DEFAULT_LIMITS) -> GainTable:
+def design_table(
+    design: Design | Assembly, options: ControllerOptions, *, limits: Limits = DEFAULT_LIMITS,
+    control: Control | None = None,
+) -> GainTable:  # fmt: skip
     """Return a table of gains over the target and values of `options.table`; other targets of the trim stay.
 
-    Each trim is sought next to the one before it, and all feed back the states of the first.
+    Each trim is sought next to the one before it, and all feed back the states of the first. `control` stops it
+    between two rows.
 
     Raises
     ------
     DesignError
-        Where there is no table in the options, or one of the trims or designs does not exist.
+        Where there is no table in the options, a response is asked for beside it, one of the trims or designs does not
+        exist, or it was stopped.
 
     """
     table = options.table
     if table is None:
         raise DesignError([Problem("/options/table", "no table is asked for", hint="give its target and values")])
+    for name in ("step", "departures"):
+        if getattr(options, name):
+            hint = "ask for it about one trim, or fly the table's mission"
+            raise DesignError([Problem(f"/options/{name}", "a table is made without flights", hint=hint)])
+    assembly = assembly_of(design)
     points: list[OperatingPoint] = []
     designs: list[ControllerDesign] = []
-    each = options.model_copy(update={"table": None, "step": None})
+    each = options.model_copy(update={"table": None})
     for i, value in enumerate(table.values):
-        trim = _trim_at(design, each, table.target, value, points[-1] if points else None, i)
+        _stop_where_cancelled(control)
+        trim = _trim_at(assembly, each, table.target, value, points[-1] if points else None, i)
         points.append(point_of(trim, heading=options.trim.heading))
-        designs.append(design_about(design, points[-1], each, limits=limits))
+        designs.append(design_about(assembly, points[-1], each, limits=limits, control=control))
         each = each.model_copy(update={"states": designs[0].problem.states})
     by = f"{table.target.replace('_', ' ')}, {UNITS[table.target]}"
-    return table_of(designs, table.values, target=table.target, set_points=table.set_points, by=by)
+    return table_of(designs, table.values, target=table.target, set_points=table.set_points, by=by, control=control)
 
 
 def table_of(
     designs: Sequence[ControllerDesign], values: Values, *, target: str = "", set_points: Sequence[SetPoint] = (),
-    by: str = "",
+    by: str = "", control: Control | None = None,
 ) -> GainTable:  # fmt: skip
     """Return the table of designs at rising values of a set point, which `by` explains.
 
@@ -108,27 +122,35 @@ def table_of(
         if warning != RATES
     ]  # fmt: skip
     said += [RATES] if RATES in designs[0].warnings else []
-    said += _between(designs, values, target)
+    said += _between(designs, values, target, control)
     return GainTable(target, tuple(values), tuple(designs), controller, tuple(said))
 
 
+def _stop_where_cancelled(control: Control | None) -> None:
+    if control is not None and control.cancelled:
+        raise DesignError([Problem("/options/table", "the table was stopped before it was whole", hint="ask again")])
+
+
 def _trim_at(
-    design: Design, options: ControllerOptions, target: str, value: float, before: OperatingPoint | None, i: int
+    assembly: Assembly, options: ControllerOptions, target: str, value: float, before: OperatingPoint | None, i: int
 ) -> Trim:
     """Return the trim of one row, next to the one before."""
     changed = {"targets": options.trim.targets | {target: value}, "free": options.trim.free or options.cells}
     near: dict[str, Any] = {} if before is None else {"extensions": dict(before.extensions)}
     wanted: TrimOptions = options.trim.model_copy(update=changed | near)
     try:
-        return trim_of_options(design, options.model_copy(update={"trim": wanted}))
+        return trim_of_options(assembly, options.model_copy(update={"trim": wanted}))
     except DesignError as error:
         reason = "; ".join(problem.message for problem in error.problems)
         raise DesignError([Problem(f"/options/table/values/{i}", f"{target} {value:g}: {reason}")]) from error
 
 
-def _between(designs: Sequence[ControllerDesign], values: Values, target: str) -> Iterator[str]:
+def _between(
+    designs: Sequence[ControllerDesign], values: Values, target: str, control: Control | None
+) -> Iterator[str]:
     """Yield where the blended controller is not stable, or not in trim, half way between two rows."""
     for (a, low), (b, high) in pairwise(zip(designs, values, strict=True)):
+        _stop_where_cancelled(control)
         problem, middle = a.problem, 0.5 * (low + high)
         gains = 0.5 * (a.gains + b.gains)
         unstable = [radius_of(each.problem.whole().closed(each.problem.widened(gains))) >= 1.0 for each in (a, b)]
@@ -140,11 +162,11 @@ def _between(designs: Sequence[ControllerDesign], values: Values, target: str) -
         wanted = problem.options.trim.targets | {target: middle}
         free = problem.options.trim.free or problem.cells.cells
         point = problem.point
-        found = trim_for(problem.design, wanted, free, extensions=point.extensions, depth=point.depth)
+        found = trim_for(problem.assembly, wanted, free, extensions=point.extensions, depth=point.depth)
         if not isinstance(found, Trim):
             yield f"at {middle:g}, between two rows, there is no trim"
             continue
-        here = feedback_problem(problem.design, point_of(found, heading=point.yaw), problem.options)
+        here = feedback_problem(problem.assembly, point_of(found, heading=point.yaw), problem.options)
         if radius_of(here.whole().closed(here.widened(gains))) >= 1.0:
             yield f"at {middle:g}, between two rows, the loop is not stable: set rows closer"
         blended = 0.5 * (a.problem.extensions + b.problem.extensions)

@@ -34,6 +34,8 @@ ACCURACY = 1e-3
 TRIAL_TIME = 30.0
 """Over which they are compared, s."""
 MOST_HALVINGS = 8
+MOST_STEPS = 1_000_000
+"""Of RK4 within one step of an environment."""
 
 
 class Fleet:
@@ -61,7 +63,7 @@ class Fleet:
         chunks = [c for c in np.array_split(np.arange(count), max(threads, 1)) if len(c)]
         self._calls = [
             (
-                self.times[rows], step_time, step, self.states[rows], self.told[rows], self.codes[rows],
+                False, self.times[rows], step_time, step, MOST_STEPS, self.states[rows], self.told[rows], self.codes[rows],
                 self.seen[rows], self.params, params.make_work(n, parts), params.make_record(0, n, 1, np.zeros(2)),
             )
             for rows in (slice(int(c[0]), int(c[-1]) + 1) for c in chunks)

@@ -9,11 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
+from models.assemble import Assembly, assemble
 from models.controller_options import StepOptions
 from models.controllers import MEASURED, GainPoint, SetPoint, StateFeedback
 from models.design import Design, parse_design
@@ -22,10 +24,11 @@ from models.limits import DEFAULT_LIMITS, Limits
 from models.mission import Control, Initial
 from models.modes import EXTENSION
 from models.operating_point import OperatingPoint, down_in_body, point_of
-from models.problems import DesignError, Problem
+from models.problems import DesignError, Problem, pointer_to, problems_from_validation
 from models.response_figures import Figures, figures_of
 from models.run import Run, Status
-from models.simulate import simulate
+from models.simulate import Control as RunControl
+from models.simulate import run_assembly
 from models.targeted_trim import trim_for
 from models.trim import STRAIGHT, Trim
 
@@ -36,6 +39,13 @@ FINEST_OUTPUT = 0.5
 MOST_SAMPLES = 100_000
 DIFFERENT = 0.1
 """Flights that differ from the linear prediction by more than this share of the step are told."""
+
+
+class Flight(NamedTuple):
+    """Within which limits a response is flown, and by what handle it can be stopped."""
+
+    limits: Limits
+    control: RunControl | None
 
 
 @dataclass(frozen=True)
@@ -108,8 +118,9 @@ def values_at(problem: FeedbackProblem, point: OperatingPoint) -> dict[str, floa
 
 
 def set_point_step(
-    problem: FeedbackProblem, gains: Array, step: StepOptions, *, fly: bool = True, limits: Limits = DEFAULT_LIMITS
-) -> LoopResponse:
+    problem: FeedbackProblem, gains: Array, step: StepOptions, *, fly: bool = True, limits: Limits = DEFAULT_LIMITS,
+    control: RunControl | None = None,
+) -> LoopResponse:  # fmt: skip
     """Return the response to a step of a set point at time zero, from the trim to the one with the state changed.
 
     The new trim is the steady motion nearest in extensions with that pitch or speed (`u`) and the old rate of turn, or
@@ -118,16 +129,17 @@ def set_point_step(
     Raises
     ------
     DesignError
-        Where the state is not fed back, or no such steady motion is within the stops.
+        Where the state is not fed back, no such steady motion is within the stops, or the flight exceeds the limits.
 
     """
     goal = stepped_point(problem, step)
-    return _response(problem, gains, step.state, problem.point, goal, step.duration, fly, limits)
+    flight = Flight(limits, control) if fly else None
+    return _response(problem, gains, step.state, problem.point, goal, step.duration, flight)
 
 
 def departure(
     problem: FeedbackProblem, gains: Array, departures: Mapping[str, float], *, duration: float = 120.0,
-    fly: bool = True, limits: Limits = DEFAULT_LIMITS,
+    fly: bool = True, limits: Limits = DEFAULT_LIMITS, control: RunControl | None = None,
 ) -> LoopResponse:  # fmt: skip
     """Return the way back to the trim from a start off it, by states of the motion (rad, m/s, rad/s).
 
@@ -136,14 +148,10 @@ def departure(
     Raises
     ------
     DesignError
-        Where none is given, or one is no state of the motion.
+        Where none is given, one is no state of the motion, 0 or no number, or the start no attitude.
 
     """
-    known = [name for name in MEASURED[1:] if name in problem.model.state_names]
-    bad = [name for name in departures if name not in known]
-    if bad or not departures:
-        message = f"'{bad[0]}' is no state of the motion" if bad else "no departure is given"
-        raise DesignError([Problem("/options/departures", message, hint=f"those are: {', '.join(known)}")])
+    _refuse_departures(problem, departures)
     at, point = departures.get, problem.point
     start = replace(
         point, roll=point.roll + at("phi", 0.0), pitch=point.pitch + at("theta", 0.0), yaw=point.yaw + at("psi", 0.0),
@@ -153,7 +161,31 @@ def departure(
             point.angular_velocity[2] + at("r", 0.0),
         ),
     )  # fmt: skip
-    return _response(problem, gains, next(iter(departures)), start, point, duration, fly, limits)
+    flight = Flight(limits, control) if fly else None
+    try:
+        return _response(problem, gains, next(iter(departures)), start, point, duration, flight)
+    except DesignError as error:
+        raise DesignError(
+            replace(p, pointer="/options/departures") if p.pointer.startswith("/mission/initial") else p
+            for p in error.problems
+        ) from None
+
+
+def _refuse_departures(problem: FeedbackProblem, departures: Mapping[str, float]) -> None:
+    """Raise `DesignError` where departures name no states of the motion, or are no numbers to depart by."""
+    known = [name for name in MEASURED[1:] if name in problem.model.state_names]
+    hint = f"those are: {', '.join(known)}"
+    if not departures:
+        raise DesignError([Problem("/options/departures", "no departure is given", hint=hint)])
+    problems = []
+    for name, value in departures.items():
+        at = pointer_to("options", "departures", name)
+        if name not in known:
+            problems.append(Problem(at, f"'{name}' is no state of the motion", hint=hint))
+        elif not math.isfinite(value) or value == 0.0:
+            problems.append(Problem(at, f"{value:g} is no departure", hint="give a finite number that is not 0"))
+    if problems:
+        raise DesignError(problems)
 
 
 def stepped_point(problem: FeedbackProblem, step: StepOptions) -> OperatingPoint:
@@ -173,7 +205,7 @@ def stepped_point(problem: FeedbackProblem, step: StepOptions) -> OperatingPoint
     turn = turn_rate_of(point)
     if step.state != "phi" and abs(turn) > STRAIGHT:
         targets["turn_rate"] = turn
-    found = trim_for(problem.design, targets, free, extensions=point.extensions, depth=point.depth)
+    found = trim_for(problem.assembly, targets, free, extensions=point.extensions, depth=point.depth)
     if not isinstance(found, Trim):
         hint = "ask for less, give more cells, or step another state"
         raise DesignError([Problem("/options/step/amount", f"no trim to step to: {found}", hint=hint)])
@@ -209,11 +241,23 @@ def feedback_of(
 def mission_from(
     design: Design, point: OperatingPoint, controller: StateFeedback, *, duration: float, interval: float
 ) -> Design:
-    """Return the design with a mission that starts at a point under a controller; times in s."""
-    initial = Initial(
-        position=(0.0, 0.0, point.depth), roll=point.roll, pitch=point.pitch, yaw=point.yaw, velocity=point.velocity,
-        angular_velocity=point.angular_velocity, extensions=dict(point.extensions),
-    )  # fmt: skip
+    """Return the design with a mission that starts at a point under a controller; times in s.
+
+    Raises
+    ------
+    DesignError
+        Where a mission cannot start at the point.
+
+    """
+    start = {
+        "position": (0.0, 0.0, point.depth), "roll": point.roll, "pitch": point.pitch, "yaw": point.yaw,
+        "velocity": point.velocity, "angular_velocity": point.angular_velocity, "extensions": dict(point.extensions),
+    }  # fmt: skip
+    try:
+        initial = Initial.model_validate(start)
+    except ValidationError as error:
+        told = problems_from_validation(error, start)
+        raise DesignError(replace(p, pointer=f"/mission/initial{p.pointer}") for p in told) from None
     solver = design.mission.solver.model_copy(update={"output_interval": interval})
     changed: dict[str, Any] = {
         "initial": initial, "control": Control(controller=controller), "duration": duration, "solver": solver,
@@ -224,7 +268,7 @@ def mission_from(
 
 def _response(
     problem: FeedbackProblem, gains: Array, state: str, start: OperatingPoint, goal: OperatingPoint, duration: float,
-    fly: bool, limits: Limits,
+    flight: Flight | None,
 ) -> LoopResponse:  # fmt: skip
     from_values, to_values = values_at(problem, start), values_at(problem, goal)
     sample_time = problem.options.sample_time
@@ -232,6 +276,11 @@ def _response(
     if count > MOST_SAMPLES:
         message, hint = f"{duration:g} s are {count} samples of {sample_time:g} s", "watch for less long"
         raise DesignError([Problem("/options/step/duration", message, limit=MOST_SAMPLES, hint=hint)])
+    design = mission_from(
+        problem.design, start, _stepping(problem, gains, goal, state), duration=count * sample_time,
+        interval=sample_time / math.ceil(sample_time / FINEST_OUTPUT),
+    )  # fmt: skip
+    flyable = None if flight is None else _flyable(design, flight.limits)
     times = np.arange(count + 1, dtype=np.float64) * sample_time
     linear, commands = predicted(problem, gains, start, goal, count)
     names, cells = problem.model.state_names, problem.cells.cells
@@ -239,16 +288,26 @@ def _response(
     departures = commands - np.array([start.extensions[cell] for cell in cells])
     share = (linear[:, names.index(state)] - a) / (b - a)
     forward = figures_of(share, times, departures, _rates(problem, linear, commands))
-    design = mission_from(
-        problem.design, start, _stepping(problem, gains, goal, state), duration=count * sample_time,
-        interval=sample_time / math.ceil(sample_time / FINEST_OUTPUT),
-    )  # fmt: skip
     response = LoopResponse(
         state, a, b, times, names, cells, linear, commands, np.array([to_values[name] for name in names]),
         np.array([goal.extensions[cell] for cell in cells]), forward, design, None, None, None,
         tuple(_demands(problem, forward, commands)),
     )  # fmt: skip
-    return flown(response, limits) if fly else response
+    if flight is None or flyable is None:
+        return response
+    return flown(response, run_assembly(flyable, limits=flight.limits, control=flight.control))
+
+
+def _flyable(design: Design, limits: Limits) -> Assembly:
+    """Return the assembly of the mission of a response; raises `DesignError` where it is too long for the limits."""
+    try:
+        return assemble(design, limits)
+    except DesignError as error:
+        at, of_time = "/options/step/duration", ("/mission/duration", "/mission/solver")
+        raise DesignError(
+            replace(p, pointer=at, hint="watch for less long") if p.pointer.startswith(of_time) else p
+            for p in error.problems
+        ) from None
 
 
 def predicted(
@@ -280,9 +339,8 @@ def _stepping(problem: FeedbackProblem, gains: Array, goal: OperatingPoint, stat
     return feedback_of(problem, points, set_points=(SetPoint(time=0.0, value=new),), by=f"{state}")
 
 
-def flown(response: LoopResponse, limits: Limits = DEFAULT_LIMITS) -> LoopResponse:
+def flown(response: LoopResponse, run: Run) -> LoopResponse:
     """Return the response with its flight."""
-    run = simulate(response.design, limits=limits)
     response = replace(response, run=run)
     kept = [run.cells.index(cell) for cell in response.cells]
     step, extension = response.goal - response.start, run.cell_values["extension"][:, kept]

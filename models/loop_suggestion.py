@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.allocation import AXES, Effectiveness, authority, effectiveness
+from models.assemble import Assembly
 from models.controller_options import ControllerOptions
 from models.controllers import Cascade, HoldHeading, HoldHeave, Lateral, Loop, Pitch
 from models.design import Design
@@ -34,6 +35,7 @@ from models.modes import EXTENSION
 from models.operating_point import OperatingPoint, point_of
 from models.problems import DesignError, Problem
 from models.sampled_model import SampledModel
+from models.steady_problem import assembly_of
 from models.trim import Trim
 
 Array = NDArray[np.float64]
@@ -113,11 +115,13 @@ class LoopSuggestion:
 
 
 def suggest_loops(
-    design: Design, trim: Trim | OperatingPoint, *, heading: float = 0.0, sample_time: float = 1.0, delay: float = 0.0
-) -> LoopSuggestion:
+    design: Design | Assembly, trim: Trim | OperatingPoint, *, heading: float = 0.0, sample_time: float = 1.0,
+    delay: float = 0.0,
+) -> LoopSuggestion:  # fmt: skip
     """Return a cascade that holds a straight glide's heave and pitch, and a heading (rad) where the model is spatial.
 
-    The rule is that of the module.
+    The rule is that of the module. Pitch and moment of the other phase, which a depth band needs, are those of the
+    mirrored glide: the opposite ones.
 
     Raises
     ------
@@ -126,34 +130,51 @@ def suggest_loops(
 
     """
     point = point_of(trim, heading=0.0) if isinstance(trim, Trim) else trim
-    cells = effectiveness(design, depth=point.depth)
-    spatial = design.mission.solver.model == "spatial"
+    assembly = assembly_of(design)
+    cells = effectiveness(assembly.design, depth=point.depth)
+    spatial = assembly.design.mission.solver.model == "spatial"
     _refuse_unheld(cells, spatial)
     motion = ("theta", "psi", "phi", "u", "v", "w", "p", "q", "r") if spatial else ("theta", "u", "w", "q")
     options = ControllerOptions(sample_time=sample_time, delay=delay)
-    problem = feedback_problem(design, point, options)
+    problem = feedback_problem(assembly, point, options)
     model = problem.model
     problem = replace(problem, states=tuple(n for n in motion if n in model.state_names))
     pitch = axis_model(problem, cells, "theta")
     axes = [pitch]
     pitch_loop, growth, damping = _tuned_pitch(problem, pitch)
     moments = cells.matrix @ (np.array([point.extensions[c] for c in cells.cells]) - cells.neutral)
-    reach = authority(cells).alone
+    reach, climbs = authority(cells).alone, bool(moments[0] > 0.0)
+    pitch_loop = pitch_loop.model_copy(update={"limit": max(map(abs, reach["pitch"]))})
     lateral = None
     if spatial:
         roll = axis_model(problem, cells, "phi")
         axes.append(roll)
         lateral, of_lateral = _lateral(problem, roll, pitch, pitch_loop, heading, reach["roll"])
+        lateral = for_phase(lateral, climbs)
         growth, damping = of_lateral
     cascade = Cascade(
         kind="cascade", sample_time=sample_time, delay=delay, vertical=HoldHeave(heave=float(moments[0])),
-        pitch=Pitch(
-            dive=point.pitch, dive_moment=float(moments[1]),
-            loop=pitch_loop.model_copy(update={"limit": max(map(abs, reach["pitch"]))}),
-        ),
+        pitch=_pitch(point.pitch, float(moments[1]), climbs, pitch_loop),
         lateral=lateral, unwind_time=max(20.0, 2.0 * sample_time),
     )  # fmt: skip
     return LoopSuggestion(cascade, tuple(axes), growth, damping, tuple(_notes(growth, damping, lateral)))
+
+
+def _pitch(held: float, moment: float, climbs: bool, loop: Loop) -> Pitch:
+    """Return what is done about pitch in both phases, from the pitch (rad) and moment (N m) of one of them."""
+    side = -1.0 if climbs else 1.0
+    return Pitch(
+        dive=side * held, climb=-side * held, dive_moment=side * moment, climb_moment=-side * moment, loop=loop
+    )
+
+
+def for_phase(lateral: Lateral, climbs: bool) -> Lateral:
+    """Return lateral loops tuned in one phase as the controller takes them: on climbs it turns the bank's sense."""
+    if not climbs:
+        return lateral
+    gain = lateral.heading_loop.proportional
+    heading = lateral.heading_loop.model_copy(update={"proportional": abs(gain)})
+    return lateral.model_copy(update={"heading_loop": heading, "climb_bank": "opposite" if gain < 0.0 else "same"})
 
 
 def axis_model(problem: FeedbackProblem, cells: Effectiveness, angle: str) -> AxisModel:
@@ -312,4 +333,4 @@ def _notes(growth: float, damping: float, lateral: Lateral | None) -> Iterator[s
     elif damping < LEAST_DAMPING:
         yield f"the least damping ratio is {damping:.2g}: that of the glider itself, or of its lags"
     if lateral is not None and lateral.heading_loop.proportional < 0.0:
-        yield "a bank turns the glider to the other side here: the heading's gain is negative"
+        yield "a bank turns the glider to the other side on dives here: the heading's gain is negative"

@@ -3,7 +3,8 @@
 Hydrostatic margin: by how much the centre of buoyancy lies above that of mass along gravity, m. Hydrodynamic margin:
 (x of the centre of mass - x of the neutral point) / length, the neutral point being where a change of force acts: from
 dM/dZ over the angle of attack in pitch, from dN/dY over the sideslip in yaw, both at fixed speed (Etkin and Reid, 1996,
-2.3). Positive margins right the glider. Body axes, SI units.
+2.3). In a flow from behind (u < 0), where a point of action ahead of the centre of mass rights, their sign is turned:
+positive margins right the glider whichever way it moves. Body axes, SI units.
 """
 
 from __future__ import annotations
@@ -124,11 +125,13 @@ def hydrodynamics(run: Run, assembly: Assembly) -> Hydrodynamics:
     pitch, yaw = (np.full(len(speed), np.nan) for _ in range(2))
     slope = (at(TURN, 0.0) - at(-TURN, 0.0)) / (2.0 * TURN)
     opposing = -slope[:, 2] * np.cos(alpha)
-    pitch[moving] = (com - _point(-slope[:, 4], slope[:, 2], opposing > LEAST_SLOPE * whole)) / length
+    # of yaw too it is the sign of u that counts: sideslip is within 90 deg, its cosine never negative
+    forward = np.copysign(1.0, u[moving])
+    pitch[moving] = forward * (com - _point(-slope[:, 4], slope[:, 2], opposing > LEAST_SLOPE * whole)) / length
     if run.model == "spatial":
         slope = (at(0.0, TURN) - at(0.0, -TURN)) / (2.0 * TURN)
         opposing = -slope[:, 1] * np.cos(beta)
-        yaw[moving] = (com - _point(slope[:, 5], slope[:, 1], opposing > LEAST_SLOPE * whole)) / length
+        yaw[moving] = forward * (com - _point(slope[:, 5], slope[:, 1], opposing > LEAST_SLOPE * whole)) / length
     return Hydrodynamics(pitch, yaw, length)
 
 

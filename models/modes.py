@@ -147,7 +147,7 @@ def modes_of(matrix: Array, states: Sequence[str]) -> Modes:
     values, left, right = found
     kept = [k for k in np.argsort(-values.real, kind="stable") if values[k].imag >= 0.0]
     shares = [shares_of(left[:, k], right[:, k]) for k in kept]
-    names = _numbered([name_of(share, states, bool(values[k].imag)) for k, share in zip(kept, shares, strict=True)])
+    names = numbered([name_of(share, states, bool(values[k].imag)) for k, share in zip(kept, shares, strict=True)])
     modes = []
     for k, name, share in zip(kept, names, shares, strict=True):
         vector = right[:, k].astype(np.complex128)
@@ -182,7 +182,7 @@ def name_of(shares: Array, states: Sequence[str], oscillates: bool) -> str:
     return SUBSIDENCES.get(most, most)
 
 
-def _numbered(names: list[str]) -> list[str]:
+def numbered(names: list[str]) -> list[str]:
     """Number the names that occur more than once, from 1."""
     often, seen = Counter(names), Counter[str]()
     numbered = []

@@ -63,19 +63,23 @@ class OperatingPoint:
 
     @classmethod
     def from_run(cls, run: Run, time: float) -> OperatingPoint:
-        """Return the point of the sample of a run that is nearest to a time, s."""
-        i = int(np.abs(run.times - time).argmin())
-        at = {name: float(column[i]) for name, column in run.values.items()}
-        roll, pitch, yaw = at.get("phi", 0.0), at["theta"], at.get("psi", 0.0)
-        current = np.array([at.get("current_x", 0.0), at.get("current_y", 0.0), 0.0])
-        carried = rotation_of(quaternion_from_rpy_radians(roll, pitch, yaw)).T @ current
-        u, v, w = (np.array([at["u"], at.get("v", 0.0), at["w"]]) - carried).tolist()
+        """Return the point of a run at a time, s: linear between the two samples about it, angles by the shorter way.
+
+        A time before the first sample or after the last counts as that one. A command that jumps between two samples
+        is found in between; roll and yaw too, where they do so as pitch passes the vertical.
+        """
+        at = float(np.clip(time, run.times[0], run.times[-1]))
+        i = max(int(np.searchsorted(run.times, at, side="right")) - 1, 0)
+        j = min(i + 1, len(run.times) - 1)
+        share = (at - float(run.times[i])) / float(run.times[j] - run.times[i]) if run.times[j] > run.times[i] else 0.0
+        a, b = _sample_of(run, i), _sample_of(run, j)
+        b[1:4] = a[1:4] + _wrapped(b[1:4] - a[1:4])
+        depth, roll, pitch, yaw, u, v, w, p, q, r = ((1.0 - share) * a + share * b).tolist()
         extensions, commands = (
-            {cell: float(run.cell_values[name][i, k]) for k, cell in enumerate(run.cells)}
-            for name in ("extension", "command")
+            dict(zip(run.cells, ((1.0 - share) * rows[i] + share * rows[j]).tolist(), strict=True))
+            for rows in (run.cell_values["extension"], run.cell_values["command"])
         )
-        rates = (at.get("p", 0.0), at["q"], at.get("r", 0.0))
-        return cls(at["z"], roll, pitch, yaw, (u, v, w), rates, extensions, commands, float(run.times[i]))
+        return cls(depth, roll, pitch, yaw, (u, v, w), (p, q, r), extensions, commands, at)
 
     @property
     def speed(self) -> float:
@@ -89,6 +93,21 @@ class OperatingPoint:
             "velocity": list(self.velocity), "angular_velocity": list(self.angular_velocity),
             "extensions": dict(self.extensions), "commands": dict(self.commands), "time": self.time,
         }  # fmt: skip
+
+
+def _sample_of(run: Run, i: int) -> Array:
+    """Return depth, roll, pitch, yaw, velocity through the water and angular velocity at a sample of a run, (10,)."""
+    at = {name: float(column[i]) for name, column in run.values.items()}
+    angles = at.get("phi", 0.0), at["theta"], at.get("psi", 0.0)
+    current = np.array([at.get("current_x", 0.0), at.get("current_y", 0.0), 0.0])
+    carried = rotation_of(quaternion_from_rpy_radians(*angles)).T @ current
+    velocity = np.array([at["u"], at.get("v", 0.0), at["w"]]) - carried
+    return np.array([at["z"], *angles, *velocity, at.get("p", 0.0), at["q"], at.get("r", 0.0)])
+
+
+def _wrapped(angles: Array) -> Array:
+    """Return angles within a half turn, rad."""
+    return np.array([math.remainder(angle, math.tau) for angle in angles])
 
 
 def point_of(trim: Trim, *, heading: float = 0.0) -> OperatingPoint:

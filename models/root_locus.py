@@ -13,11 +13,14 @@ from jsonpointer import JsonPointer, JsonPointerException
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from models.assemble import Assembly, assemble
 from models.design import Design, parse_design
+from models.limits import DEFAULT_LIMITS, Limits
 from models.linearize import linearize
 from models.modes import NEUTRAL, STEADY, SUBSIDENCES, Mode, modes_of
 from models.operating_point import OperatingPoint, point_of
-from models.problems import DesignError, Problem, echo
+from models.problems import DesignError, Problem, echo, pointer_to
+from models.targeted_trim import TrimFailure, check_wish, trim_for
 from models.trim import TrimSearch, find_trims
 
 Array = NDArray[np.float64]
@@ -32,6 +35,7 @@ TrimAt = Callable[[Design, Mapping[str, float], OperatingPoint | None], Operatin
 
 Raises `DesignError` where there is none.
 """
+_Find = Callable[[Assembly, Mapping[str, float], OperatingPoint | None], OperatingPoint]
 
 
 @dataclass(frozen=True)
@@ -108,32 +112,41 @@ def with_value(design: Design, pointer: str, value: float) -> Design:
 def root_locus(
     design: Design, pointer: str, values: Sequence[float], *, trim_at: TrimAt | None = None,
     extensions: Mapping[str, float] | None = None, depth: float | None = None,
+    targets: Mapping[str, float] | None = None, free: Sequence[str] | None = None, limits: Limits = DEFAULT_LIMITS,
+    progress: Callable[[int, int], bool] | None = None,
 ) -> RootLocus:  # fmt: skip
     """Follow the eigenvalues while the number at `pointer` takes the `values`, trimmed anew at each.
 
     A pointer "/extensions/<cell>" changes that extension of the steady motion. `trim_at` finds the motions, by default
-    `models.trim`, at `extensions` (those the design begins with, where none are named) and `depth` (m).
+    `models.trim`, at `extensions` (those the design begins with, where none are named) and `depth` (m). With `targets`
+    and `free` cells each value is trimmed to the same motion instead, by `models.targeted_trim`. Each changed design is
+    assembled within `limits`. `progress` is called with (values done, all of them) before each value.
 
     Raises
     ------
     DesignError
-        Where the pointer names no number of the design, or no steady motion is found at any value.
+        Where the pointer names no number of the design, options contradict each other, no steady motion is found at any
+        value, or `progress` returns False: then it says "cancelled".
 
     """
     steps = np.asarray(values, dtype=np.float64)
     if not 0 < steps.size <= MOST_VALUES or steps.ndim != 1 or not np.isfinite(steps).all():
         raise DesignError([Problem("/values", f"give 1 to {MOST_VALUES:,} finite values", limit=MOST_VALUES)])
-    if not pointer.startswith(EXTENSIONS):
+    parameter = _Parameter(design, pointer, limits)
+    if parameter.cell is None:
         with_value(design, pointer, float(steps[0]))  # a wrong pointer is told at once, not as so many failures
-    find = trim_at or _trim_at_depth(depth)
+    _check_options(parameter, trim_at, targets, free)
+    find = _finder(trim_at, targets, free, depth)
     branches = _Branches()
     points: list[OperatingPoint | None] = []
     failures: list[tuple[float, str]] = []
     last: OperatingPoint | None = None
-    for value in steps.tolist():
+    for done, value in enumerate(steps.tolist()):
+        if progress is not None and not progress(done, len(steps)):
+            raise DesignError([Problem("", f"cancelled after {done} of {len(steps)} values")])
         point: OperatingPoint | None = None
         try:
-            changed, held = _changed(design, pointer, value, extensions or {})
+            changed, held = parameter.at(value, extensions or {})
             point = find(changed, held, last)
             model = linearize(changed, point)
             branches.extend(modes_of(model.A, model.state_names).modes)
@@ -191,37 +204,105 @@ class _Branches:
         self.rows.append(roots[order])
 
 
-def _changed(
-    design: Design, pointer: str, value: float, extensions: Mapping[str, float]
-) -> tuple[Design, Mapping[str, float]]:
-    """Return the design and the extensions with the parameter set."""
-    if pointer.startswith(EXTENSIONS):
-        cell = JsonPointer(pointer).parts[1]
-        return design, {**extensions, cell: value}
-    return with_value(design, pointer, value), extensions
+class _Parameter:
+    """The number that changes: the extension of `cell`, or where that is None a field of the design."""
+
+    def __init__(self, design: Design, pointer: str, limits: Limits) -> None:
+        self.design, self.pointer, self.limits = design, pointer, limits
+        self.cell = _cell_of(design, pointer)
+        self.assembly = assemble(design, limits) if self.cell is not None else None
+
+    def at(self, value: float, extensions: Mapping[str, float]) -> tuple[Assembly, Mapping[str, float]]:
+        """Return the assembly and the extensions (m or rad, by name) with the number set."""
+        if self.assembly is not None and self.cell is not None:
+            return self.assembly, {**extensions, self.cell: value}
+        return assemble(with_value(self.design, self.pointer, value), self.limits), extensions
 
 
-def _trim_at_depth(depth: float | None) -> TrimAt:
+def _cell_of(design: Design, pointer: str) -> str | None:
+    """Return the cell whose extension a pointer names, None where it begins otherwise.
+
+    Raises
+    ------
+    DesignError
+        Where it is not a JSON Pointer of two tokens, or names no part that moves.
+
+    """
+    if not pointer.startswith(EXTENSIONS):
+        return None
+    cells = [part.name for _, part in design.vehicle.actuated]
+    hint = f"give {EXTENSIONS}<name>, the name one of: {', '.join(cells) or 'none'}"
+    try:
+        tokens = JsonPointer(pointer).parts
+    except JsonPointerException as error:
+        raise DesignError([Problem(pointer, f"this is no JSON Pointer: {error}", hint=hint)]) from None
+    if len(tokens) != 2 or tokens[1] not in cells:
+        name = "/".join(tokens[1:])
+        raise DesignError([Problem(pointer, f"no component that moves is named '{name}'", hint=hint)])
+    return str(tokens[1])
+
+
+def _check_options(
+    parameter: _Parameter, trim_at: TrimAt | None, targets: Mapping[str, float] | None, free: Sequence[str] | None
+) -> None:
+    """Raise `DesignError` where the ways to find a motion contradict each other, or a target or a cell is wrong."""
+    if targets is None and free is None:
+        return
+    if targets is None or free is None:
+        wanted = "targets" if targets is None else "free"
+        raise DesignError([Problem(f"/options/{wanted}", "targets and free cells go together", hint="give both")])
+    if trim_at is not None:
+        raise DesignError([Problem("/options/targets", "targets and trim_at both say what to seek", hint="give one")])
+    if parameter.cell is not None and parameter.cell in free:
+        at = pointer_to("options", "free", list(free).index(parameter.cell))
+        message = f"'{parameter.cell}' takes the values, so it is not free"
+        raise DesignError([Problem(at, message, hint="leave it out of the free cells")])
+    check_wish(parameter.design, targets, free)
+
+
+def _finder(
+    trim_at: TrimAt | None, targets: Mapping[str, float] | None, free: Sequence[str] | None, depth: float | None
+) -> _Find:
+    """Return what finds the motion: the caller's way, one with targets, or the search for all at given extensions."""
+    if trim_at is not None:
+        given = trim_at
+        return lambda assembly, extensions, last: given(assembly.design, extensions, last)
+    if targets is not None and free is not None:
+        return _trim_for_targets(targets, free, depth)
+    return _trim_at_depth(depth)
+
+
+def _trim_for_targets(targets: Mapping[str, float], free: Sequence[str], depth: float | None) -> _Find:
+    """Return the search for a motion that meets targets by free cells, the others staying at given extensions."""
+
+    def at(assembly: Assembly, extensions: Mapping[str, float], last: OperatingPoint | None) -> OperatingPoint:
+        found = trim_for(assembly, targets, free, extensions=extensions, depth=depth)
+        if isinstance(found, TrimFailure):
+            raise DesignError([Problem("/options/targets", str(found))])
+        return point_of(found)
+
+    return at
+
+
+def _trim_at_depth(depth: float | None) -> _Find:
     """Return the search for trims at a depth: the first one found, then the one most like the last."""
 
-    def at(design: Design, extensions: Mapping[str, float], last: OperatingPoint | None) -> OperatingPoint:
-        search = find_trims(design, extensions=extensions, depth=depth)
+    def at(assembly: Assembly, extensions: Mapping[str, float], last: OperatingPoint | None) -> OperatingPoint:
+        search = find_trims(assembly, extensions=extensions, depth=depth)
         if not search.solutions:
-            return _at_rest(design, search, extensions, depth)
+            return _at_rest(search, extensions)
         points = [point_of(trim) for trim in search.solutions]
         return points[0] if last is None else min(points, key=lambda point: _unlike(point, last))
 
     return at
 
 
-def _at_rest(
-    design: Design, search: TrimSearch, extensions: Mapping[str, float], depth: float | None
-) -> OperatingPoint:
+def _at_rest(search: TrimSearch, extensions: Mapping[str, float]) -> OperatingPoint:
     if search.rest is None:
         raise DesignError([Problem("", f"no steady motion was found: {search.searched}")])
     return OperatingPoint.from_steady(
         extensions=extensions, roll=search.rest.roll, pitch=search.rest.pitch, velocity=(0.0, 0.0, 0.0),
-        depth=design.mission.initial.position[2] if depth is None else depth,
+        depth=search.depth,
     )  # fmt: skip
 
 

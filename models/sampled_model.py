@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig, expm
 
-from models.modes import Mode, Modes, name_of, shares_of
+from models.modes import Mode, Modes, name_of, numbered, shares_of
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -57,17 +57,21 @@ class SampledModel:
         return np.asarray(self.feedback(gains) @ answer, dtype=np.complex128)
 
     def modes(self, matrix: Array) -> Modes:
-        """Return the modes of X+ = `matrix` X as those in continuous time: s = log(z) / T, 1/s."""
+        """Return the modes of X+ = `matrix` X as those in continuous time: s = log(z) / T, 1/s.
+
+        A real negative z changes sign at every sample, and counts as an oscillation of half the sampling frequency.
+        """
         found = eig(matrix, left=True, right=True)
         values, left, right = (np.asarray(part, dtype=np.complex128) for part in found)
         size = np.maximum(np.abs(values), DEADBEAT)
-        rates = (np.log(size) + 1j * np.angle(values)) / self.sample_time
+        rates = (np.log(size) + 1j * np.abs(np.angle(values))) / self.sample_time
         kept = [k for k in np.argsort(-rates.real, kind="stable") if values[k].imag >= 0.0]
+        shares = [shares_of(left[:, k], right[:, k]) for k in kept]
+        names = [name_of(share, self.states, bool(rates[k].imag)) for k, share in zip(kept, shares, strict=True)]
         modes = []
-        for k in kept:
-            share = shares_of(left[:, k], right[:, k])
+        for k, name, share in zip(kept, numbered(names), shares, strict=True):
             vector = right[:, k] / right[np.abs(right[:, k]).argmax(), k]
-            modes.append(Mode(name_of(share, self.states, bool(values[k].imag)), complex(rates[k]), share, vector))
+            modes.append(Mode(name, complex(rates[k]), share, vector))
         return Modes(self.states, tuple(modes))
 
 

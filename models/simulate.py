@@ -49,6 +49,11 @@ class Control:
         self.flags[CANCEL] = 1.0
 
     @property
+    def cancelled(self) -> bool:
+        """Whether it was asked to stop."""
+        return bool(self.flags[CANCEL])
+
+    @property
     def time_reached(self) -> float:
         """Simulated time reached, s."""
         return float(self.flags[PROGRESS])

@@ -174,12 +174,6 @@ def steady_problem(
     )  # fmt: skip
 
 
-def down_in_body(motion: Array) -> Array:
-    """Return the unit vector down in body axes, (3,)."""
-    cp = math.cos(motion[PITCH])
-    return np.array([-math.sin(motion[PITCH]), cp * math.sin(motion[ROLL]), cp * math.cos(motion[ROLL])])
-
-
 def upright(motion: Array) -> Array:
     """Return the same motion with its pitch within 90 deg of level and its roll within a half turn."""
     s = motion.copy()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.assemble import Assembly
-from models.bounded_motion import BoundedSearch, typical_speed
+from models.bounded_motion import BoundedSearch, off_target, typical_speed
 from models.components import extension_unit
 from models.design import Design
 from models.kernel.steady import EXTENSIONS, LOADS, ROLL, ROWS, SWAY, TURN
@@ -24,10 +25,20 @@ from models.steady_problem import (
     assembly_of,
     speed_of,
     steady_problem,
+    upright,
 )
 from models.trim import AXES, STRAIGHT, Trim, trim_of
 from models.trim_search import DEGREES
-from models.trim_targets import TURN_ROW, UNITS, Targets, distance_in_strokes, driven, starts_for, targets_of
+from models.trim_targets import (
+    TURN_ROW,
+    UNITS,
+    USUAL_PATH,
+    Targets,
+    distance_in_strokes,
+    driven,
+    starts_for,
+    targets_of,
+)
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -51,7 +62,7 @@ class ActiveBound:
     unit: str
 
     def __str__(self) -> str:
-        shown = f"{self.extension * 1e3:.4g} mm" if self.unit == "m" else f"{self.extension * DEGREES:.4g} deg"
+        shown = f"{self.extension * 1e3:z.4g} mm" if self.unit == "m" else f"{self.extension * DEGREES:z.4g} deg"
         return f"'{self.cell}' is at its {self.stop} stop, {shown}"
 
 
@@ -68,9 +79,10 @@ class Missed:
         unit, factor = UNITS[self.target], 1.0
         if unit.startswith("rad"):
             unit, factor = unit.replace("rad", "deg"), DEGREES
-        reached, wanted = self.reached * factor, self.wanted * factor
+        reached = self.reached * factor if abs(self.reached) > MET else 0.0  # below is rounding, of either sign
+        wanted = self.wanted * factor
         digits = 4 if f"{reached:.4g}" != f"{wanted:.4g}" else 9
-        return f"{words} {reached:+.{digits}g} {unit} in place of {wanted:+.{digits}g}"
+        return f"{words} {reached:+z.{digits}g} {unit} in place of {wanted:+z.{digits}g}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +123,10 @@ def trim_for(
     Targets are any of glide_angle (rad, climb positive), speed, sink_rate (m/s), turn_rate (rad/s), pitch, roll (rad)
     and turn_radius (m), the last and the turn rate positive to the right; without one of a turn the trim is straight.
     Extensions (m or rad, by name) that are not given are those with which the mission starts. Of several trims a stable
-    one is taken before an unstable one, and then the one with the extensions nearest to the given ones, in strokes; or
-    to half way to the stops that drive it, where the given ones drive nothing and no speed or sink rate is wanted.
+    one is taken before an unstable one, and then the one with the extensions nearest to the given ones, in strokes.
+    Where no speed or sink rate is wanted and the given ones drive it with less than a quarter of the net weight that
+    the free cells could add (or the other way), it is the nearest to those that have half of what can be had: nearer
+    ones would crawl.
 
     Raises
     ------
@@ -122,30 +136,54 @@ def trim_for(
 
     """
     assembly = assembly_of(design)
-    cells = _free_indices(assembly, free)
+    cells = _free_indices(assembly.cells, free)
     problem = steady_problem(assembly, extensions=extensions, depth=depth)
     wish = targets_of(targets, spatial=problem.spatial)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # of trials that run away, and are not taken
         search = _TargetSearch(problem, wish, cells)
-        found = search.best()
+        found = search.best() or _on_usual_path(problem, wish, cells)
         return found if found is not None else search.failure()
 
 
-def _free_indices(assembly: Assembly, free: Sequence[str]) -> Indices:
+def _on_usual_path(problem: SteadyProblem, wish: Targets, free: Indices) -> Trim | None:
+    """Return a trim that meets the targets and glides at the usual angle, where they say nothing of how steep.
+
+    Held to a path, a search gets on where it stalls without: what is wanted then has more than one way.
+    """
+    if len(free) <= len(wish.rows) or {"glide_angle", "sink_rate", "pitch"} & set(wish.values):
+        return None
+    for path in (-USUAL_PATH, USUAL_PATH):
+        try:
+            steeper = targets_of({**wish.values, "glide_angle": path}, spatial=problem.spatial)
+        except DesignError:  # speed, turn rate and radius together leave another path
+            return None
+        found = _TargetSearch(problem, steeper, free).best()
+        if found is not None:
+            return found
+    return None
+
+
+def check_wish(design: Design, targets: Mapping[str, float], free: Sequence[str]) -> None:
+    """Raise `DesignError` where a target or a free cell of `trim_for` is not what it may be."""
+    _free_indices([part.name for _, part in design.vehicle.actuated], free)
+    targets_of(targets, spatial=design.mission.solver.model == "spatial")
+
+
+def _free_indices(cells: Sequence[str], free: Sequence[str]) -> Indices:
     """Return the indices of the free cells among the unknowns."""
     problems = []
     if not free:
         problems.append(Problem("/options/free", "no cell is free to move", hint="name one for each target"))
     for i, name in enumerate(free):
         at = pointer_to("options", "free", i)
-        if name not in assembly.cells:
-            known = ", ".join(f"'{cell}'" for cell in assembly.cells) or "none"
+        if name not in cells:
+            known = ", ".join(f"'{cell}'" for cell in cells) or "none"
             problems.append(Problem(at, f"no component that moves is named '{name}'", hint=f"those are: {known}"))
         elif name in free[:i]:
             problems.append(Problem(at, f"'{name}' is named twice", hint="name it once"))
     if problems:
         raise DesignError(problems)
-    return np.array([EXTENSIONS + assembly.cells.index(name) for name in free], dtype=np.int64)
+    return np.array([EXTENSIONS + cells.index(name) for name in free], dtype=np.int64)
 
 
 class _TargetSearch:
@@ -209,6 +247,8 @@ class _TargetSearch:
     def _within(self, s: Array) -> bool:
         """Whether a motion is a trim that meets the targets within the stops."""
         p = self.problem
+        if p.spatial:
+            s[:] = upright(s)  # as the trim will be: past the vertical, roll is another
         stroke = p.high - p.low
         e = s[EXTENSIONS:]
         if not np.all(np.isfinite(s)) or speed_of(s) < SLOWEST:
@@ -220,7 +260,9 @@ class _TargetSearch:
             _straighten(p, s)
         f = p.rows(s)
         loads = np.abs(f[p.load_rows] / p.scale[p.load_rows]).max()
-        off = np.abs((f - self.wish.wanted)[self.wish.rows] / np.minimum(1.0, self.wish.scale[self.wish.rows])).max()
+        off = np.abs(
+            off_target(f, self.wish.wanted)[self.wish.rows] / np.minimum(1.0, self.wish.scale[self.wish.rows])
+        ).max()
         turns = self.wish.straight and abs(s[TURN]) > STRAIGHT
         return bool(loads < 10.0 * BALANCED and off < MET and not turns)
 
@@ -238,6 +280,7 @@ class _TargetSearch:
         for _size, start in self.reached[:3]:
             s = self.bounded.nearest(start, loads)[None, :]
             if self.problem.newton(s, self.problem.motion_unknowns, self.problem.load_rows)[0]:
+                s[0] = upright(s[0]) if self.problem.spatial else s[0]
                 missed = float(np.linalg.norm(self.bounded.misfit(s[0])))
                 if missed < least:
                     nearest, least = s[0], missed
@@ -263,7 +306,8 @@ class _TargetSearch:
         for name, wanted in values.items():
             curvature = f[ROWS.index("curvature")]
             got = f[ROWS.index(name)] if name != "turn_radius" else (1.0 / curvature if curvature else np.inf)
-            if not abs(got - wanted) <= MET * (max(1.0, abs(wanted)) if name == "turn_radius" else 1.0):
+            away = math.remainder(got - wanted, math.tau) if name in ("pitch", "roll") else got - wanted
+            if not abs(away) <= MET * (max(1.0, abs(wanted)) if name == "turn_radius" else 1.0):
                 yield Missed(name, float(wanted), float(got))
 
     def _active(self, motion: Array) -> Iterator[ActiveBound]:

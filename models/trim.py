@@ -18,12 +18,13 @@ from models.assemble import Assembly
 from models.design import Design, parse_design
 from models.kernel.steady import EXTENSIONS, HEAVE, LOADS, PITCH, ROLL, ROWS, SURGE, SWAY, TURN
 from models.mission import Control, Initial
+from models.modes import NEUTRAL
 from models.motion_growth import growth_of
+from models.operating_point import down_in_body
 from models.steady_problem import (
     LEAST_NET,
     SteadyProblem,
     assembly_of,
-    down_in_body,
     steady_problem,
     upright,
 )
@@ -58,8 +59,8 @@ class Trim:
 
     @property
     def stable(self) -> bool:
-        """Whether every small disturbance dies out."""
-        return self.growth < 0.0
+        """Whether every small disturbance dies out, faster than rounding can tell (`models.modes.NEUTRAL`)."""
+        return self.growth < -NEUTRAL
 
     @property
     def speed(self) -> float:
@@ -69,9 +70,7 @@ class Trim:
     @property
     def sink_rate(self) -> float:
         """Vertical speed, down positive, m/s."""
-        cp = math.cos(self.pitch)
-        down = np.array([-math.sin(self.pitch), cp * math.sin(self.roll), cp * math.cos(self.roll)])
-        return float(down @ self.velocity)
+        return float(down_in_body(self.roll, self.pitch) @ self.velocity)
 
     @property
     def horizontal_speed(self) -> float:
@@ -110,13 +109,11 @@ class Trim:
 
     def as_initial(self) -> Initial:
         """Return the state in which a mission would start in this trim, heading north."""
-        cp = math.cos(self.pitch)
-        down = (-math.sin(self.pitch), cp * math.sin(self.roll), cp * math.cos(self.roll))
+        p, q, r = (self.turn_rate * down_in_body(self.roll, self.pitch)).tolist()
         u, v, w = (float(value) for value in self.velocity)
         return Initial(
             position=(0.0, 0.0, self.depth), roll=self.roll, pitch=self.pitch, velocity=(u, v, w),
-            angular_velocity=(self.turn_rate * down[0], self.turn_rate * down[1], self.turn_rate * down[2]),
-            extensions=dict(self.extensions),
+            angular_velocity=(p, q, r), extensions=dict(self.extensions),
         )  # fmt: skip
 
     def __str__(self) -> str:
@@ -126,8 +123,8 @@ class Trim:
             else f", turning at {self.turn_rate:.4g} rad/s (radius {self.turn_radius:.4g} m)"
         )
         return (
-            f"{self.kind} at {self.speed:.4g} m/s, path {self.glide_angle * DEGREES:+.2f} deg, pitch "
-            f"{self.pitch * DEGREES:+.2f} deg, roll {self.roll * DEGREES:+.2f} deg{turn}, "
+            f"{self.kind} at {self.speed:.4g} m/s, path {self.glide_angle * DEGREES:+z.2f} deg, pitch "
+            f"{self.pitch * DEGREES:+z.2f} deg, roll {self.roll * DEGREES:+z.2f} deg{turn}, "
             f"{'stable' if self.stable else 'unstable'}"
         )
 
@@ -148,12 +145,14 @@ class RestAttitude:
 class TrimSearch:
     """All trims found, the stable ones first, then by angle of attack from nose first; and in words what was searched.
 
-    `rest` stands in place of solutions where weight and buoyancy are equal: then nothing drives a glide.
+    `net_buoyancy` N, up positive; `depth` where it was searched, m. `rest` stands in place of solutions where weight
+    and buoyancy are equal: then nothing drives a glide.
     """
 
     solutions: tuple[Trim, ...]
     searched: str
     net_buoyancy: float
+    depth: float
     rest: RestAttitude | None = None
 
     @property
@@ -181,11 +180,11 @@ def find_trims(
     chosen = search or Search()
     if abs(problem.net_weight) <= LEAST_NET * problem.weight:
         rest = rest_attitude(problem)
-        return TrimSearch((), _no_glide(problem, rest), -problem.net_weight, rest)
+        return TrimSearch((), _no_glide(problem, rest), -problem.net_weight, problem.depth, rest)
     found = search_motions(problem, chosen)
     trims = [trim_of(problem, motion) for motion in found.motions]
     trims.sort(key=lambda trim: (not trim.stable, trim.kind != "glide", abs(trim.angle_of_attack)))
-    return TrimSearch(tuple(trims), _searched(problem, chosen, found), -problem.net_weight)
+    return TrimSearch(tuple(trims), _searched(problem, chosen, found), -problem.net_weight, problem.depth)
 
 
 def trim_of(problem: SteadyProblem, motion: Array) -> Trim:
@@ -195,10 +194,10 @@ def trim_of(problem: SteadyProblem, motion: Array) -> Trim:
     residual = problem.rows(s)[:LOADS]
     still = s.copy()
     still[SURGE : HEAVE + 1], still[TURN] = 0.0, 0.0
-    net = -float(problem.rows(still)[:3] @ down_in_body(s))
+    net = -float(problem.rows(still)[:3] @ down_in_body(s[ROLL], s[PITCH]))
     return Trim(
         extensions=dict(zip(problem.assembly.cells, s[EXTENSIONS:].tolist(), strict=True)),
-        roll=float(s[ROLL]) + 0.0, pitch=float(s[PITCH]), velocity=s[[SURGE, SWAY, HEAVE]],
+        roll=float(s[ROLL]) + 0.0, pitch=float(s[PITCH]) + 0.0, velocity=s[[SURGE, SWAY, HEAVE]],
         turn_rate=float(s[TURN]), depth=problem.depth, net_buoyancy=net,
         residual=dict(zip(AXES, residual.tolist(), strict=True)), growth=growth_of(problem, s),
     )  # fmt: skip
@@ -241,8 +240,8 @@ def _no_glide(problem: SteadyProblem, rest: RestAttitude) -> str:
     if rest.stiffness <= LEAST_NET * problem.weight:
         how = "any attitude, as both act at one point"
     else:
-        roll = f" and roll {rest.roll * DEGREES:+.2f} deg" if problem.spatial else ""
-        how = f"pitch {rest.pitch * DEGREES:+.2f} deg{roll}"
+        roll = f" and roll {rest.roll * DEGREES:+z.2f} deg" if problem.spatial else ""
+        how = f"pitch {rest.pitch * DEGREES:+z.2f} deg{roll}"
     return (
         f"at these extensions the glider weighs what it displaces (to {abs(problem.net_weight):.1e} N of "
         f"{problem.weight:.4g} N): there is no steady glide; at rest it hangs at {how}"

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.kernel.steady import EXTENSIONS, HEAVE, PITCH, ROLL, SURGE, SWAY, TURN
+from models.operating_point import down_in_body
 from models.problems import DesignError, Problem
 from models.steady_problem import (
     ALL_LOADS,
@@ -16,7 +17,6 @@ from models.steady_problem import (
     IN_PLANE_LOADS,
     IN_SPACE,
     SteadyProblem,
-    down_in_body,
     upright,
 )
 
@@ -132,7 +132,7 @@ def _distinct(problem: SteadyProblem, motions: Array) -> Array:
     raised = np.array([upright(s) if problem.spatial else s for s in motions])
     speed = np.linalg.norm(raised[:, SURGE : HEAVE + 1], axis=1)
     velocity = raised[:, [SURGE, SWAY, HEAVE]]
-    marks = np.column_stack([np.array([down_in_body(s) for s in raised]), raised[:, TURN]])
+    marks = np.column_stack([np.array([down_in_body(s[ROLL], s[PITCH]) for s in raised]), raised[:, TURN]])
     kept: list[int] = []
     for i in range(len(raised)):
         near = [

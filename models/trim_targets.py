@@ -33,6 +33,8 @@ AGREE = 1e-9
 """Targets that depend on each other agree within this share."""
 LEAST_DRIVE = 1e-6
 """Net weights below this share of the weight drive no start."""
+WELL_DRIVEN = 0.25
+"""Extensions whose net weight is at least this share of what the free cells can add to it are kept as a start."""
 USUAL_PATH, USUAL_SPEED = math.radians(30.0), 0.3
 """Where nothing says otherwise, a start glides at this angle (rad) and speed (m/s)."""
 ATTACKS = tuple(math.radians(angle) for angle in (1.5, 4.0, 9.0))
@@ -140,24 +142,31 @@ def _independent(values: Mapping[str, float]) -> list[str]:
 
 
 def driven(problem: SteadyProblem, free: Indices, targets: Targets) -> SteadyProblem:
-    """Return the problem with the free cells half way to the stops that drive the wanted motion, where nothing does.
+    """Return the problem with the free cells moved to where they drive the wanted motion, where the given ones do not.
 
-    Where the glider weighs what it displaces and no speed is wanted, the trim nearest to the given extensions would be
-    one that hardly moves.
+    The trim nearest to extensions at which the glider weighs what it displaces, or nearly, would be one that hardly
+    moves. So where no speed is wanted, and the net weight that drives the wanted path is less than `WELL_DRIVEN` of
+    what the free cells add on the way to their stops (or drives the other way), they go toward those stops until there
+    is half of what can be had: half way from neutral.
     """
-    if "speed" in targets.values or "sink_rate" in targets.values:
-        return problem
-    if abs(problem.net_weight) > LEAST_DRIVE * problem.weight or not len(free):
+    if "speed" in targets.values or "sink_rate" in targets.values or not len(free):
         return problem
     path = _paths(problem, targets.values)[0]
     steps = np.zeros(len(problem.steps))
     steps[free] = problem.steps[free]
     _rows, slope = problem.slopes(problem.rest(problem.extensions), steps)
     cells = free - EXTENSIONS
-    toward = np.sign(-path * slope[2, free])
-    stops = np.where(toward > 0.0, problem.high[cells], problem.low[cells])
+    # slopes that are rounding move nothing: of masses that slide, and change no weight
+    per_extension = np.where(
+        np.abs(slope[2, free]) * (problem.high - problem.low)[cells] > LEAST_DRIVE * problem.weight, slope[2, free], 0.0
+    )
+    toward = np.sign(-path * per_extension)
+    way = np.where(toward > 0.0, problem.high[cells], problem.low[cells]) - problem.extensions[cells]
+    along, more = -math.copysign(1.0, path) * problem.net_weight, float(np.abs(per_extension * way).sum())
+    if path == 0.0 or along >= WELL_DRIVEN * more or along + more <= 0.0:
+        return problem
     e = problem.extensions.copy()
-    e[cells] += 0.5 * np.abs(toward) * (stops - e[cells])
+    e[cells] += 0.5 * (1.0 - along / more) * np.abs(toward) * way
     return replace(problem, extensions=e, net_weight=float(problem.rows(problem.rest(e))[2]))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -11,18 +11,17 @@ from typing import Any
 import numpy as np
 
 from models.allocation import AXES, allocate, effectiveness
-from models.assemble import Assembly, assemble
+from models.assemble import Assembly
 from models.controllability import controllability, holding_power
-from models.design import Design
 from models.frequency_response import frequency_response
 from models.glide_polar import glide_polar
 from models.limits import Limits
 from models.linearize import linearize
 from models.modes import modes_of
 from models.operating_point import OperatingPoint, point_of
-from models.problems import DesignError, Problem
+from models.problems import DesignError, Problem, pointer_to
 from models.root_locus import root_locus
-from models.run import Run
+from models.run import Status
 from models.simulate import Control
 from models.stability import stability_over
 from models.targeted_trim import TrimFailure, trim_for
@@ -31,9 +30,10 @@ from models.trim_search import Search
 from models.warm import warm_analyses
 from server import schemas_analyses as wire
 from server import schemas_linear as small
-from server.preview import run_preview
-from server.settings import Settings
+from server.preview import PreviewRun
 
+Fly = Callable[[], PreviewRun]
+"""Flies the mission of the design under analysis."""
 OF_THE_DESIGN = ("/vehicle", "/mission", "/name", "/notes", "/format", "/version")
 
 
@@ -118,7 +118,10 @@ def first_trim(assembly: Assembly, options: wire.TrimOptions) -> Trim:
     if isinstance(found, TrimFailure):
         raise DesignError([Problem("/options/targets", str(found), hint="free more cells, or ask for less")])
     if not found.solutions:
-        hint = "give extensions that make the glider heavier or lighter than water, or targets"
+        hint = (
+            "say which motion by options.targets (--target speed=0.3), name an instant of the mission by options.time "
+            "(--time), or give extensions that make the glider heavier or lighter than water"
+        )
         raise DesignError([Problem("/options/extensions", f"there is no trim: {found.searched}", hint=hint)])
     return found.solutions[0]
 
@@ -150,37 +153,41 @@ def polar_answer(assembly: Assembly, options: wire.PolarOptions) -> wire.PolarAn
 
 
 def linearize_answer(
-    design: Design, options: small.LinearizeOptions, settings: Settings, control: Control
+    assembly: Assembly, options: small.LinearizeOptions, fly: Fly, *, limits: Limits, control: Control
 ) -> small.LinearizeAnswer:
-    """Return the linear model at a trim or at an instant of the mission, with what is asked of it."""
+    """Return the linear model at a trim or at an instant of the mission, with what is asked of it.
+
+    A root locus assembles its designs within the limits, and `control` stops it between two values.
+    """
     warm_analyses()
-    assembly, trim = assemble(design, settings.limits), None
+    trim = None
     if options.time is None:
         trim = first_trim(assembly, options)
         point = point_of(trim)
     else:
-        point = _instant(run_preview(design, settings, control).run, options.time)
+        point = _instant(fly(), options.time)
     with options_sent_at():
         model = linearize(assembly, point)
     asked = enumerate(options.responses)
-    strokes = [part.stroke[1] - part.stroke[0] for _, part in design.vehicle.actuated]
+    strokes = [part.stroke[1] - part.stroke[0] for _, part in assembly.design.vehicle.actuated]
     return small.LinearizeAnswer.model_validate(
         {
             "trim": None if trim is None else trim_item(trim), "model": model.as_dict(),
             "modes": modes_of(model.A, model.state_names).as_dict(),
             "controllability": controllability(model, strokes).as_dict(),
             "responses": [_response(model, wanted, k, options.frequencies) for k, wanted in asked],
-            "locus": None if options.locus is None else _locus(design, options.locus, options, point),
+            "locus": _locus(assembly, options, point, limits, control),
         }
     )  # fmt: skip
 
 
-def _instant(run: Run, time: float) -> OperatingPoint:
-    last = float(run.times[-1])
-    if time > last:
-        message = f"the run ends at {last:g} s: {run.status.name}"
-        raise DesignError([Problem("/options/time", message, limit=last, hint="give an earlier instant")])
-    return OperatingPoint.from_run(run, time)
+def _instant(flown: PreviewRun, time: float) -> OperatingPoint:
+    last = float(flown.run.times[-1])
+    cut_off = flown.run.status is Status.cancelled
+    if time > last or cut_off:
+        hint = "shorten the mission to what is looked at" if cut_off else "give an earlier instant"
+        raise DesignError([Problem("/options/time", f"the run ends at {last:g} s: {flown.message}", last, hint)])
+    return OperatingPoint.from_run(flown.run, time)
 
 
 def _response(model: Any, wanted: small.ResponseOptions, k: int, frequencies: Sequence[float] | None) -> dict[str, Any]:
@@ -195,25 +202,38 @@ def _response(model: Any, wanted: small.ResponseOptions, k: int, frequencies: Se
 
 
 def _locus(
-    design: Design, locus: small.LocusOptions, options: small.LinearizeOptions, point: OperatingPoint
-) -> dict[str, Any]:
-    held = {**point.extensions, **options.extensions}
+    assembly: Assembly, options: small.LinearizeOptions, point: OperatingPoint, limits: Limits, control: Control
+) -> dict[str, Any] | None:
+    """Return the root locus asked for, at the extensions of the point, or for the targets that led to it."""
+    locus, targets = options.locus, options.targets.given() if options.time is None else {}
+    if locus is None:
+        return None
+    moving = [cell for cell in assembly.cells if pointer_to("extensions", cell) != locus.pointer]
     try:
-        return root_locus(design, locus.pointer, locus.values, extensions=held, depth=point.depth).as_dict()
+        return root_locus(
+            assembly.design, locus.pointer, locus.values, extensions=point.extensions, depth=point.depth,
+            targets=targets or None, free=(options.free or moving) if targets else None, limits=limits,
+            progress=lambda _done, _all: not control.cancelled,
+        ).as_dict()  # fmt: skip
     except DesignError as error:
-        where = "/options/locus/pointer"
-        raise DesignError(
-            replace(p, pointer="/options/locus/values" if p.pointer == "/values" else where) for p in error.problems
-        ) from None
+        raise DesignError(replace(p, pointer=_of_locus(p.pointer, locus)) for p in error.problems) from None
 
 
-def stability_answer(
-    design: Design, options: small.StabilityOptions, settings: Settings, control: Control
-) -> small.StabilityAnswer:
+def _of_locus(pointer: str, locus: small.LocusOptions) -> str:
+    """Return where in the options a problem of a locus lies; a pointer into the design or the options stays."""
+    if pointer.startswith("/values"):
+        return f"/options/locus{pointer}"
+    if pointer != locus.pointer and pointer.startswith((*OF_THE_DESIGN, "/options")):
+        return pointer
+    return "/options/locus/pointer"
+
+
+def stability_answer(assembly: Assembly, options: small.StabilityOptions, fly: Fly) -> small.StabilityAnswer:
     """Return the margins along the mission, thinned to what is asked for, and the worst of each over all samples."""
     warm_analyses()
-    run = run_preview(design, settings, control).run
-    history = stability_over(run, options.samples).as_dict()
+    flown = fly()
+    run = flown.run
+    history = stability_over(run, options.samples, assembly=assembly).as_dict()
     count = min(len(run.times), options.max_points)
     kept = np.unique(np.linspace(0, len(run.times) - 1, count).round().astype(int)).tolist()
     thinned = {
@@ -222,12 +242,13 @@ def stability_answer(
             "times", "offset", "hydrostatic_margin", "pitch_stiffness", "roll_stiffness", "pitch_margin", "yaw_margin",
         )
     }  # fmt: skip
-    return small.StabilityAnswer.model_validate({**history, **thinned, "status": run.status.name})
+    told = {"status": run.status.name, "message": flown.message}
+    return small.StabilityAnswer.model_validate({**history, **thinned, **told})
 
 
-def allocation_answer(design: Design, options: wire.AllocationOptions, limits: Limits) -> wire.AllocationAnswer:
+def allocation_answer(assembly: Assembly, options: wire.AllocationOptions) -> wire.AllocationAnswer:
     """Return what the cells do, and the extensions for what is wanted."""
-    assemble(design, limits)
+    design = assembly.design
     with options_sent_at():
         cells = effectiveness(design, options.cells, depth=options.depth)
         held = holding_power(design, options.cells, depth=options.depth)
@@ -235,7 +256,8 @@ def allocation_answer(design: Design, options: wire.AllocationOptions, limits: L
     if unknown:
         hint = f"those are: {', '.join(cells.cells) or 'none'}"
         raise DesignError(
-            Problem(f"/options/effort/{name}", f"'{name}' is not among the cells", hint=hint) for name in unknown
+            Problem(pointer_to("options", "effort", name), f"'{name}' is not among the cells", hint=hint)
+            for name in unknown
         )
     allocation = None
     if options.wanted is not None:

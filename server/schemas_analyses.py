@@ -48,7 +48,9 @@ class TrimOptions(Wire):
     extensions: Extensions = Field(default={}, description=AT_EXTENSIONS)
     depth: float | None = Field(default=None, description=AT_DEPTH)
     targets: TrimTargets = Field(default=TrimTargets(), description="What the motion should be; none searches for all.")
-    free: list[str] = Field(default=[], description="Cells that may move to meet the targets; all that move if none.")
+    free: list[str] | None = Field(
+        default=None, description="Cells that may move to meet the targets; all that move if null or empty."
+    )
     search: SearchOptions = Field(default=SearchOptions(), description="How finely all motions are searched for.")
 
 

@@ -19,9 +19,18 @@ class ControllerDesignOptions(ControllerOptions):
 
     kind: Literal["state_feedback", "cascade"] = text(
         "State feedback by the other options; or first gains of guidance, loops and allocation about the trim, for "
-        "which only trim, sample_time and delay count.",
+        "which only trim, sample_time and delay may be given.",
         default="state_feedback",
     )
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Names of the options that are given, other than by their default, and have no use for this kind."""
+        if self.kind != "cascade":
+            return ()
+        used = ("kind", "trim", "sample_time", "delay")
+        fields = type(self).model_fields
+        return tuple(name for name in fields if name not in used and getattr(self, name) != fields[name].default)
 
 
 class ControllerDesignRequest(Wire):
@@ -72,7 +81,7 @@ class FiguresItem(Wire):
 
 
 class StepItem(Wire):
-    """The response to a step: by the linear model, and flown on the non-linear one."""
+    """The response to a step or a departure: by the linear model, and flown on the non-linear one."""
 
     state: str = Field(description="The stepped state.")
     start: float = Field(description="From, rad or m/s.")
@@ -102,6 +111,7 @@ class FeedbackItem(Wire):
     closed_loop: ModesItem = Field(description="Modes with it, as if continuous.")
     margins: MarginsItem | None = Field(description="Margins; null where the loop is not stable.")
     response: StepItem | None = Field(description="The step asked for; null if none.")
+    recovery: StepItem | None = Field(description="The way back from the departures asked for; null if none.")
     warnings: list[str] = Field(description="What speaks against it.")
 
 

@@ -39,7 +39,10 @@ class LinearizeOptions(TrimOptions):
     frequencies: Annotated[list[float], Field(min_length=1, max_length=MOST_POINTS)] | None = Field(
         default=None, description="Frequencies, rad/s; chosen from the modes if not given."
     )
-    locus: LocusOptions | None = Field(default=None, description="Eigenvalues over a parameter, trimmed anew at each.")
+    locus: LocusOptions | None = Field(
+        default=None,
+        description="Eigenvalues over a parameter, trimmed anew at each value: for the targets, or at the extensions.",
+    )
 
 
 class LinearizeRequest(Wire):
@@ -226,6 +229,7 @@ class StabilityAnswer(Wire):
     """Margins and growth of small motions along the mission."""
 
     status: str = Field(description="How the run ended.")
+    message: str = Field(description="This in words: where it was cut off, the margins end there too.")
     times: Row = Field(description="Times of the margins, s.")
     offset: Matrix = Field(description="From the centre of buoyancy to that of mass, body axes, m.")
     hydrostatic_margin: Series = Field(description="Centre of buoyancy above that of mass, along gravity, m.")
@@ -237,7 +241,7 @@ class StabilityAnswer(Wire):
     growth: Series = Field(description="Largest growth of small motions, frozen in time, 1/s.")
     length: float = Field(description="Length of the vehicle, m.")
     extremes: list[ExtremeItem] = Field(description="The worst value of each, and when.")
-    warnings: list[ErrorItem] = Field(description="Every change of sign.")
+    warnings: list[ErrorItem] = Field(description="What stability is lost, when and for how long.")
 
 
 LINEAR_REQUESTS: tuple[type[BaseModel], ...] = (LinearizeRequest, StabilityRequest)

@@ -18,6 +18,8 @@ from studio.exit_codes import DONE, MISUSED, REFUSED, STOPPED, UNUSABLE
 
 WRITERS = {".nc": Run.to_netcdf, ".csv": Run.to_csv}
 PROGRESS_EVERY = 0.5
+WHOLE = frozenset({Status.completed, Status.surface, Status.bed})
+"""How runs end that are not cut off."""
 
 
 def complain(source: object, problems: tuple[Problem, ...] | str) -> None:
@@ -45,7 +47,7 @@ def load(path: Path) -> Design | int:
     return design
 
 
-def _simulate_with_progress(design: Design) -> Run:
+def simulate_with_progress(design: Design) -> Run:
     """Simulate in a thread, so that an interrupt stops the run and keeps what it has."""
     from models.simulate import Control, simulate
 
@@ -76,7 +78,7 @@ def simulate(path: Path, output: Path | None) -> int:
     design = load(path)
     if isinstance(design, int):
         return design
-    run = _simulate_with_progress(design)
+    run = simulate_with_progress(design)
     _print_summary(run)
     if output is not None:
         try:
@@ -85,7 +87,7 @@ def simulate(path: Path, output: Path | None) -> int:
             complain(output, error.strerror or str(error))
             return UNUSABLE
         print(f"written     {output}")
-    return DONE if run.status in {Status.completed, Status.surface, Status.bed} else STOPPED
+    return DONE if run.status in WHOLE else STOPPED
 
 
 def _print_summary(run: Run) -> None:

@@ -9,21 +9,24 @@ import argparse
 import math
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from models.assemble import assemble
+from models.assemble import Assembly, assemble
 from models.design import Design
+from models.limits import DEFAULT_LIMITS
 from models.problems import DesignError, problems_from_validation
+from models.simulate import Control
 from server import analyses
 from server import schemas_analyses as wire
 from server import schemas_linear as small
-from server.settings import Settings
+from server.preview import PreviewRun
 from studio import pictures
-from studio.commands import complain, load
-from studio.exit_codes import DONE, REFUSED, UNUSABLE
+from studio.commands import WHOLE, complain, load, simulate_with_progress
+from studio.exit_codes import DONE, REFUSED, STOPPED, UNUSABLE
 
 DEGREES = 180.0 / math.pi
 Printer = Callable[[Any], None]
@@ -36,7 +39,7 @@ def run_analysis(options: argparse.Namespace) -> int:
         return design
     work, printer, picture = ANALYSES[options.command]
     try:
-        answer = work(design, options)
+        answer = work(assemble(design), options)
         if options.json:
             print(answer.model_dump_json())
         else:
@@ -51,59 +54,81 @@ def run_analysis(options: argparse.Namespace) -> int:
     except OSError as error:
         complain(options.plot, error.strerror or str(error))
         return UNUSABLE
+    return _code_of(answer)
+
+
+def _code_of(answer: BaseModel) -> int:
+    """Return the exit code of an answer: it may be that there is no motion as wanted, or that the run was cut off."""
+    if isinstance(answer, wire.TrimAnswer) and answer.failure is not None:
+        return REFUSED
+    if isinstance(answer, small.StabilityAnswer) and answer.status not in {status.name for status in WHOLE}:
+        return STOPPED
     return DONE
 
 
 def read_options(model: type[Any], values: Mapping[str, Any]) -> Any:
-    """Return the options as a wire type; raises `DesignError` where one is not what it may be."""
+    """Return the options as a wire type; raises `DesignError` where one is not what it may be, below /options."""
     given = {name: value for name, value in values.items() if value is not None}
     try:
         return model.model_validate(given)
     except ValidationError as error:
-        raise DesignError(problems_from_validation(error, given)) from None
+        told = problems_from_validation(error, given)
+        raise DesignError(replace(p, pointer=f"/options{p.pointer}") for p in told) from None
 
 
 def _trim_values(options: argparse.Namespace) -> dict[str, Any]:
     return {
-        "extensions": dict(options.extension or ()), "targets": dict(options.target or ()),
-        "free": list(options.free or ()), "depth": options.depth,
+        "extensions": options.extension, "targets": options.target, "free": options.free, "depth": options.depth,
+        "search": {"angle_step": options.angle_step, "banks": options.bank},
     }  # fmt: skip
 
 
-def _trim(design: Design, options: argparse.Namespace) -> wire.TrimAnswer:
-    return analyses.trim_answer(assemble(design), read_options(wire.TrimOptions, _trim_values(options)))
+def _fly(assembly: Assembly) -> Callable[[], PreviewRun]:
+    """Return what flies the whole mission, without the limits of a preview."""
+
+    def fly() -> PreviewRun:
+        run = simulate_with_progress(assembly.design)
+        return PreviewRun(run, run.message, ())
+
+    return fly
 
 
-def _polar(design: Design, options: argparse.Namespace) -> wire.PolarAnswer:
-    values = {"points": options.points, "cells": options.cell, "cycle_depth": options.cycle_depth}
-    return analyses.polar_answer(assemble(design), read_options(wire.PolarOptions, values))
+def _trim(assembly: Assembly, options: argparse.Namespace) -> wire.TrimAnswer:
+    return analyses.trim_answer(assembly, read_options(wire.TrimOptions, _trim_values(options)))
 
 
-def _linearize(design: Design, options: argparse.Namespace) -> small.LinearizeAnswer:
-    from models.simulate import Control
+def _polar(assembly: Assembly, options: argparse.Namespace) -> wire.PolarAnswer:
+    values = {
+        "points": options.points, "cells": options.cell, "cycle_depth": options.cycle_depth,
+        "extensions": options.extension, "depth": options.depth,
+    }  # fmt: skip
+    return analyses.polar_answer(assembly, read_options(wire.PolarOptions, values))
 
+
+def _linearize(assembly: Assembly, options: argparse.Namespace) -> small.LinearizeAnswer:
     values = _trim_values(options) | {
         "time": options.time,
+        "frequencies": options.frequency,
         "responses": [{"input": source, "output": target} for source, target in options.bode or ()],
     }
     if options.locus is not None:
-        values["locus"] = {"pointer": options.locus[0], "values": [float(value) for value in options.locus[1:]]}
+        pointer, over = options.locus
+        values["locus"] = {"pointer": pointer, "values": over}
     chosen = read_options(small.LinearizeOptions, values)
-    return analyses.linearize_answer(design, chosen, Settings(), Control())
+    return analyses.linearize_answer(assembly, chosen, _fly(assembly), limits=DEFAULT_LIMITS, control=Control())
 
 
-def _stability(design: Design, options: argparse.Namespace) -> small.StabilityAnswer:
-    from models.simulate import Control
-
+def _stability(assembly: Assembly, options: argparse.Namespace) -> small.StabilityAnswer:
     chosen = read_options(small.StabilityOptions, {"samples": options.samples, "max_points": 100_000})
-    return analyses.stability_answer(design, chosen, Settings(), Control())
+    return analyses.stability_answer(assembly, chosen, _fly(assembly))
 
 
-def _allocate(design: Design, options: argparse.Namespace) -> wire.AllocationAnswer:
-    from models.limits import DEFAULT_LIMITS
-
-    values = {"cells": options.cell, "depth": options.depth, "wanted": dict(options.want) if options.want else None}
-    return analyses.allocation_answer(design, read_options(wire.AllocationOptions, values), DEFAULT_LIMITS)
+def _allocate(assembly: Assembly, options: argparse.Namespace) -> wire.AllocationAnswer:
+    values = {
+        "cells": options.cell, "depth": options.depth, "wanted": options.want, "weights": options.weight,
+        "effort": options.effort,
+    }  # fmt: skip
+    return analyses.allocation_answer(assembly, read_options(wire.AllocationOptions, values))
 
 
 def _deg(angle: float) -> str:
@@ -172,7 +197,7 @@ def _print_linear(answer: small.LinearizeAnswer) -> None:
 
 
 def _print_stability(answer: small.StabilityAnswer) -> None:
-    print(f"status      {answer.status}")
+    print(f"status      {answer.status}: {answer.message}")
     for extreme in answer.extremes:
         print(f"worst       {extreme.name} {extreme.value:+.5g} {extreme.unit} at {extreme.time:.2f} s")
     for warning in answer.warnings:
@@ -192,7 +217,7 @@ def _print_allocation(answer: wire.AllocationAnswer) -> None:
         print(f"wanted      {answer.allocation.message}")
 
 
-Work = Callable[[Design, argparse.Namespace], BaseModel]
+Work = Callable[[Assembly, argparse.Namespace], BaseModel]
 ANALYSES: dict[str, tuple[Work, Printer, Callable[[Any, Design, Path], None] | None]] = {
     "trim": (_trim, _print_trim, None),
     "polar": (_polar, _print_polar, pictures.polar),

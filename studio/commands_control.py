@@ -12,6 +12,7 @@ from models.design import Design
 from models.limits import DEFAULT_LIMITS
 from models.loop_suggestion import LoopSuggestion
 from models.problems import DesignError
+from models.simulate import Control
 from server.controlling import Result, answer_of, design_for, file_of
 from server.schemas_control import ControllerDesignOptions
 from studio import pictures
@@ -20,21 +21,22 @@ from studio.commands_analyses import read_options
 from studio.exit_codes import DONE, MISUSED, REFUSED, UNUSABLE
 
 ENDINGS = (".json", ".mat", ".py")
-LONGEST_FLIGHT = 600.0
-"""Length of the mission that is written where no step says how long, s."""
+WATCHED, LONGEST_FLIGHT = 120.0, 600.0
+"""How long a step is watched, and the mission that is written without one, where nothing else is said, s."""
 
 
 def design_controller(options: argparse.Namespace) -> int:
     """Design the controller that a command line asks for; return its exit code."""
-    for path in options.output or ():
-        if path.suffix not in ENDINGS:
-            complain(path, f"a controller is written as {', '.join(ENDINGS)}, not '{path.suffix}'")
-            return MISUSED
+    wrong = _misused(options)
+    if wrong is not None:
+        complain(*wrong)
+        return MISUSED
     design = load(options.design)
     if isinstance(design, int):
         return design
     try:
-        result = design_for(design, read_options(ControllerDesignOptions, _values(options)), DEFAULT_LIMITS)
+        chosen = read_options(ControllerDesignOptions, _values(options))
+        result = design_for(design, chosen, DEFAULT_LIMITS, flown_within=DEFAULT_LIMITS, control=Control())
         print(answer_of(result).model_dump_json()) if options.json else _summarise(result, design)
         for path in options.output or ():
             path.write_bytes(
@@ -52,22 +54,46 @@ def design_controller(options: argparse.Namespace) -> int:
     return DONE
 
 
+def _misused(options: argparse.Namespace) -> tuple[object, str] | None:
+    """Return what of a command line cannot be done, and why, before anything is computed; None where all can."""
+    about_one = options.kind == "state_feedback" and options.table is None
+    for path in options.output or ():
+        if path.suffix not in ENDINGS:
+            return path, f"a controller is written as {', '.join(ENDINGS)}, not '{path.suffix}'"
+        if path.suffix != ".json" and not about_one:
+            return path, f"only a state feedback about one trim has a {path.suffix} file: write .json"
+    if options.plot is not None and options.step is None and options.departure is None:
+        return options.plot, "there is nothing to draw: ask for a --step or a --departure"
+    if options.duration is not None and options.kind == "cascade":
+        return "--duration", "loops go into the mission as it is: leave it out"
+    return None
+
+
 def _values(options: argparse.Namespace) -> dict[str, Any]:
     values: dict[str, Any] = {
         "kind": options.kind, "sample_time": options.sample_time, "delay": options.delay, "states": options.state,
-        "cells": options.cell, "share": options.share, "integrals": options.integrals,
-        "deviations": dict(options.deviation or ()),
+        "cells": options.cell, "share": options.share, "shares": options.cell_share, "integrals": options.integrals,
+        "integral_time": options.integral_time, "deviations": options.deviation, "departures": options.departure,
         "trim": {
-            "targets": dict(options.target or ()), "extensions": dict(options.extension or ()),
-            "free": options.free, "depth": options.depth,
+            "targets": options.target or {}, "extensions": options.extension or {}, "free": options.free,
+            "depth": options.depth, "heading": options.heading,
         },
     }  # fmt: skip
+    if options.departure and options.duration is not None:
+        values["recovery_duration"] = options.duration
+    if options.table is not None:
+        target, over = options.table
+        values["table"] = {"target": target, "values": over}
     if options.pole:
         values |= {"method": "poles", "poles": [[pole.real, pole.imag] for pole in options.pole]}
     if options.step is not None:
         state, amount = options.step
-        values["step"] = {"state": state, "amount": amount, "duration": options.duration}
+        values["step"] = {"state": state, "amount": amount, "duration": _or(options.duration, WATCHED)}
     return values
+
+
+def _or(given: float | None, usual: float) -> float:
+    return usual if given is None else given
 
 
 def _summarise(result: Result, design: Design) -> None:
@@ -105,6 +131,9 @@ def _summarise_feedback(result: ControllerDesign) -> None:
     if result.response is not None:
         print(f"step        {result.response.state}, linear: {result.response.predicted}")
         print(f"            flown: {result.response.flown}")
+    if result.recovery is not None:
+        print(f"way back    {result.recovery.state}, linear: {result.recovery.predicted}")
+        print(f"            flown: {result.recovery.flown}")
 
 
 def _under_control(result: Result, design: Design, options: argparse.Namespace) -> bytes:
@@ -113,12 +142,13 @@ def _under_control(result: Result, design: Design, options: argparse.Namespace) 
         control = design.mission.control.model_copy(update={"controller": result.cascade, "schedules": ()})
         mission = design.mission.model_copy(update={"control": control})
         return design.model_copy(update={"mission": mission}).to_json().encode()
-    length = options.duration if options.step is not None else LONGEST_FLIGHT
-    return result.mission(duration=length).to_json().encode()
+    usual = LONGEST_FLIGHT if options.step is None else WATCHED
+    return result.mission(duration=_or(options.duration, usual)).to_json().encode()
 
 
 def _draw(result: Result, design: Design, path: Path) -> None:
-    if not isinstance(result, ControllerDesign) or result.response is None:
-        raise OSError(0, "there is no step to draw: ask for one with --step", str(path))
-    pictures.step(result.response, design, path)
+    drawn = result.response or result.recovery if isinstance(result, ControllerDesign) else None
+    if drawn is None:
+        return
+    pictures.step(drawn, design, path)
     print(f"written     {path}", file=sys.stderr)

@@ -2,6 +2,6 @@
 
 DONE, REFUSED, MISUSED, UNUSABLE, STOPPED = range(5)
 MEANING = (
-    "exit codes: 0 done; 1 the design is refused; 2 the command line is wrong; 3 a file or the port cannot be used; "
-    "4 the run failed or was cancelled, what it computed is kept"
+    "exit codes: 0 done; 1 the design is refused, or there is no such motion or controller; 2 the command line is "
+    "wrong; 3 a file or the port cannot be used; 4 the run failed or was cancelled, what it computed is kept"
 )

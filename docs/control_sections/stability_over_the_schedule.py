@@ -127,8 +127,7 @@ but says nothing of why. And a mission that begins and ends well can be unstable
 def schedule_text() -> str:
     """Tell of the schedule that turns unstable."""
     history = lifted().history
-    lost = [warning.message for warning in history.warnings if warning.message.endswith("lost")]
-    told = "\n".join(f"- {message}" for message in lost)
+    told = "\n".join(f"- {warning.message}" for warning in history.warnings)
     worst = history.extreme("growth")
     assert worst is not None
     return f"""### A schedule that turns unstable in the middle
@@ -144,8 +143,8 @@ start and at the end the hydrostatic margin is {num(1e3 * at("hydrostatic_margin
 {num(at("growth", 0.0), 2)} 1/s; who looks there sees a stable glider. In between growth rises to
 {signed(worst.value, 3)} 1/s, and pitch, still in balance when the ballast is up, leaves it: from
 {degrees(at("theta", LIFTED[1]), 1)} to {degrees(at("theta", LIFTED[2]), 1)} in {num(LIFTED[2] - LIFTED[1], 0)} s.
-Lowering the ballast brings it back. The answer warns of it, and as often of the way back ({len(history.warnings)}
-warnings in all):
+Lowering the ballast brings it back. The warnings are one a quantity; every change of sign is in `history.changes`
+({len(history.changes)} here):
 
 {told}
 
@@ -156,7 +155,8 @@ away from the stream, weakly, and the weight holds it. In yaw it is {percent(at(
 def use_text() -> str:
     """Tell how to use it."""
     return f"""The preset flies well, and yet it is warned of: it starts at rest and falls broadside until it glides,
-and there small margins change sign often. A warning counts where the glider is settled; growth of a glider that is
+and there small margins change sign often; the warning says whether small motions are stable then. It counts where
+the glider is settled; growth of a glider that is
 turning over says only which way things go at that instant. Times of a change are interpolated between samples; growth
 is looked at {SAMPLES} instants unless told otherwise, and one shorter than their distance is missed.
 

@@ -10,15 +10,12 @@ from models.kernel.events import note_stops
 from models.kernel.integrate import COMPLETED, SAMPLES, integrate
 from models.kernel.jit import compiled
 
-MOST_STEPS = 1_000_000
-"""Of RK4 within one sample time."""
-
 
 @compiled
-def advance_many(times, span, step, states, told, codes, seen, p, work, record):
-    """Advance every row of `states` (m, n) in place by `span` (s) with RK4 steps of `step` (s); fill `codes` (m,).
+def advance_many(pair, times, span, step, max_steps, states, told, codes, seen, p, work, record):
+    """Advance every row of `states` (m, n) in place by `span` (s) with RK4 steps of `step` (s), or by the pair.
 
-    `times` (m,) s is advanced too; `told` (m, parts) are the commands held meanwhile, NaN for a part that follows its
+    `max_steps` bounds the steps of each row, `codes` (m,) get how each ended. `times` (m,) s is advanced too; `told` (m, parts) are the commands held meanwhile, NaN for a part that follows its
     schedule. `seen` (m, MEASURED) gets what ideal instruments measure afterwards. A row whose code is not that of a
     completed run when the call begins has ended, and is left as it is. `work` and `record` are scratch; the record
     needs no room.
@@ -35,7 +32,7 @@ def advance_many(times, span, step, states, told, codes, seen, p, work, record):
         work.armed[0] = work.armed[1] = 1  # the row before may have met the surface or the bed
         note_stops(y, p, work)
         until = times[i] + span
-        codes[i] = integrate(False, times[i], until, step, math.inf, MOST_STEPS, y, p, work, record)
+        codes[i] = integrate(pair, times[i], until, step, math.inf, max_steps, y, p, work, record)
         times[i] = until
         see(until, y, p, seen[i])
 

@@ -33,5 +33,5 @@ def normal(seed, sample, channel):
     return math.sqrt(-2.0 * math.log(u)) * math.cos(2.0 * math.pi * v)
 
 
-if numba.config.DISABLE_JIT:  # as plain Python the products, which are meant to wrap around, would warn
+if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]  # as plain Python the products, which are meant to wrap around, would warn
     scrambled, normal = np.errstate(over="ignore")(scrambled), np.errstate(over="ignore")(normal)

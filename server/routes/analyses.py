@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Depends, Request
 from fastapi.responses import Response
 from pydantic import BaseModel
 
-from models.assemble import assemble
+from models.assemble import Assembly, assemble
 from models.checks import extension_problems
-from models.design import Design
+from models.limits import Limits
 from models.problems import DesignError
 from models.simulate import Control
 from server.analyses import allocation_answer, linearize_answer, polar_answer, stability_answer, trim_answer
@@ -19,6 +19,7 @@ from server.answers import json_answer
 from server.dependencies import Document, SettingsNow, SharedRunner
 from server.documents import design_sent_at, read_request, under
 from server.openapi import operation
+from server.preview import PreviewRun, run_preview
 from server.schemas import DESIGN_REF, MassProperties, MassRequest
 from server.schemas_analyses import (
     AllocationAnswer,
@@ -29,7 +30,6 @@ from server.schemas_analyses import (
     TrimAnswer,
 )
 from server.schemas_linear import LinearizeAnswer, LinearizeRequest, StabilityAnswer, StabilityRequest
-from server.settings import Settings
 from server.weighing import weigh
 
 router = APIRouter(tags=["analyses"])
@@ -54,97 +54,103 @@ def analyze_mass(document: Document, settings: SettingsNow) -> Response:
     return json_answer(weigh(design, asked))
 
 
-def answer(document: Any, model: type[Any], settings: Settings, work: Callable[[Design, Any], BaseModel]) -> Response:
-    """Read a request, do the work on its design and options, and tell errors by their places in what was sent."""
-    design, request, prefix = read_request(document, model, settings.limits)
-    with design_sent_at(prefix, beside="/options"):
-        return json_answer(work(design, request.options))
+Work = Callable[[Assembly, Any, Control], BaseModel]
+"""What an analysis does: from an assembled design, options, and a handle to stop it, to an answer."""
+
+
+class Analyst:
+    """Does analyses for one request, a few at a time, and tells errors by their places in what was sent."""
+
+    def __init__(self, request: Request, document: Document, settings: SettingsNow, runner: SharedRunner) -> None:
+        self._request, self._document, self._settings, self._runner = request, document, settings, runner
+
+    @property
+    def limits(self) -> Limits:
+        """The limits of a design."""
+        return self._settings.limits
+
+    async def answer(self, model: type[Any], work: Work) -> Response:
+        """Read what was sent as a `model`, and do the work on its design and options beside the event loop."""
+        return await self._runner.run(self._request, lambda control: self._worked(model, work, control))
+
+    def _worked(self, model: type[Any], work: Work, control: Control) -> Response:
+        design, sent, prefix = read_request(self._document, model, self.limits)
+        with design_sent_at(prefix, beside="/options"):
+            return json_answer(work(assemble(design, self.limits), sent.options, control))
+
+    def flight(self, assembly: Assembly, control: Control) -> Callable[[], PreviewRun]:
+        """Return what flies the mission of a design within the limits of a preview."""
+        return lambda: run_preview(assembly.design, self._settings, control)
+
+
+OneAnalyst = Annotated[Analyst, Depends()]
 
 
 @router.post(
     "/analyses:trim", response_model=TrimAnswer, summary="Find steady motions",
     **operation("analyze_trim", body=TrimAnalysisRequest, bare=DESIGN_REF),
 )  # fmt: skip
-def analyze_trim(document: Document, settings: SettingsNow) -> Response:
+async def analyze_trim(analyst: OneAnalyst) -> Response:
     """Answer all steady glides, turns and spirals at given extensions, or the one that meets targets.
 
     Each is marked stable or not. Targets that cannot be met are an answer too: what would be out of balance, which
     cells are at a stop, and the nearest motion there is.
     """
-    return answer(
-        document, TrimAnalysisRequest, settings,
-        lambda design, options: trim_answer(assemble(design, settings.limits), options),
-    )  # fmt: skip
+    return await analyst.answer(TrimAnalysisRequest, lambda assembly, options, _: trim_answer(assembly, options))
 
 
 @router.post(
     "/analyses:polar", response_model=PolarAnswer, summary="Draw the glide polar",
     **operation("analyze_polar", body=PolarRequest, bare=DESIGN_REF),
 )  # fmt: skip
-def analyze_polar(document: Document, settings: SettingsNow) -> Response:
+async def analyze_polar(analyst: OneAnalyst) -> Response:
     """Answer speed against glide angle over the strokes of the cells, dives and climbs.
 
     With the flattest path, the least energy for the way, the slowest sink and the tightest turn as points on it.
     """
-    return answer(
-        document, PolarRequest, settings,
-        lambda design, options: polar_answer(assemble(design, settings.limits), options),
-    )  # fmt: skip
+    return await analyst.answer(PolarRequest, lambda assembly, options, _: polar_answer(assembly, options))
 
 
 @router.post(
     "/analyses:linearize", response_model=LinearizeAnswer, summary="Linearise and show the modes",
     **operation("analyze_linearize", body=LinearizeRequest, bare=DESIGN_REF),
 )  # fmt: skip
-async def analyze_linearize(
-    request: Request, document: Document, settings: SettingsNow, runner: SharedRunner
-) -> Response:
+async def analyze_linearize(analyst: OneAnalyst) -> Response:
     """Answer A, B, C, D about a trim or an instant of the mission, with named states, inputs and outputs.
 
     Also the modes and what the cells can move; on demand frequency responses, and a root locus over any number of the
     design, which is trimmed anew at each value.
     """
-
-    def work(control: Control) -> Response:
-        return answer(
-            document, LinearizeRequest, settings,
-            lambda design, options: linearize_answer(design, options, settings, control),
-        )  # fmt: skip
-
-    return await runner.run(request, work)
+    return await analyst.answer(
+        LinearizeRequest,
+        lambda assembly, options, control: linearize_answer(
+            assembly, options, analyst.flight(assembly, control), limits=analyst.limits, control=control
+        ),
+    )
 
 
 @router.post(
     "/analyses:stability", response_model=StabilityAnswer, summary="Follow stability along the mission",
     **operation("analyze_stability", body=StabilityRequest, bare=DESIGN_REF),
 )  # fmt: skip
-async def analyze_stability(
-    request: Request, document: Document, settings: SettingsNow, runner: SharedRunner
-) -> Response:
+async def analyze_stability(analyst: OneAnalyst) -> Response:
     """Simulate the mission and answer its static margins and the growth of small motions along it.
 
-    The worst of each and when; every change of sign is a warning.
+    The worst of each and when; whatever stability is lost is a warning. Where the run was cut off, the message says so.
     """
-
-    def work(control: Control) -> Response:
-        return answer(
-            document, StabilityRequest, settings,
-            lambda design, options: stability_answer(design, options, settings, control),
-        )  # fmt: skip
-
-    return await runner.run(request, work)
+    return await analyst.answer(
+        StabilityRequest,
+        lambda assembly, options, control: stability_answer(assembly, options, analyst.flight(assembly, control)),
+    )
 
 
 @router.post(
     "/analyses:allocation", response_model=AllocationAnswer, summary="See what the cells can do together",
     **operation("analyze_allocation", body=AllocationRequest, bare=DESIGN_REF),
 )  # fmt: skip
-def analyze_allocation(document: Document, settings: SettingsNow) -> Response:
+async def analyze_allocation(analyst: OneAnalyst) -> Response:
     """Answer what each cell does to heave, pitch and roll, which of these the cells can hold apart, and how strongly.
 
     With options.wanted also the extensions that make it, and what is missing where the stops do not allow it.
     """
-    return answer(
-        document, AllocationRequest, settings,
-        lambda design, options: allocation_answer(design, options, settings.limits),
-    )  # fmt: skip
+    return await analyst.answer(AllocationRequest, lambda assembly, options, _: allocation_answer(assembly, options))

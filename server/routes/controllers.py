@@ -50,7 +50,9 @@ async def design_controller(
 def _answer(document: Any, media: str, settings: Settings, control: Control) -> Response:
     design, sent, prefix = read_request(document, ControllerDesignRequest, settings.limits)
     with design_sent_at(prefix, beside="/options"):
-        result = design_for(design, sent.options, preview_limits(settings))
+        result = design_for(
+            design, sent.options, settings.limits, flown_within=preview_limits(settings), control=control
+        )
         if media == JSON:
             return json_answer(answer_of(result))
         return Response(file_of(result, ENDINGS[media]), media_type=media)

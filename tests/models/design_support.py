@@ -32,6 +32,12 @@ def designed(design: Design | None = None, **options: Any) -> ControllerDesign:
     return design_controller(design or uniform(), ControllerOptions(**({"trim": DIVE} | options)))
 
 
+def planar_problem(**options: Any) -> ControllerDesign:
+    """A planar glider with one moving mass and no lag: one loop."""
+    design = uniform("slocum-glide")
+    return design_controller(design, ControllerOptions(**({"sample_time": 0.5} | options)))
+
+
 def level_cells() -> Design:
     """Two cells on the centre line: nothing rolls or turns the glider."""
     document = uniform().model_dump(mode="json")

@@ -4,17 +4,25 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from models.allocation import allocate, effectiveness
 from models.assemble import assemble
+from models.controllers import MEASURED
 from models.design import parse_design
-from models.kernel import params
+from models.glider_fleet import Fleet
+from models.kernel import allocate as kernel_allocate
+from models.kernel import control_layout as layout
+from models.kernel import environments, linear, params, steady
 from models.kernel.control_layout import CONTROL
 from models.kernel.integrate import integrate
 from models.kernel.outputs import outputs
 from models.kernel.spatial_layout import MEMBER, SPACE
 from models.limits import Limits
+from models.linearize import linearize
+from models.operating_point import OperatingPoint
 from models.presets import load_preset, preset_ids
 from models.problems import DesignError
 from models.simulate import simulate
+from models.trim import find_trims
 from tests.models.support import BODY, PISTON, document, polar, schedule
 from tests.strategies import designs
 
@@ -45,6 +53,29 @@ def test_one_signature_is_compiled_for_all_presets():
     simulate(parse_design(body))
     assert len(integrate.signatures) == 1
     assert len(outputs.signatures) == 1
+
+
+def test_one_signature_is_compiled_of_what_analyses_and_trains():
+    for preset_id in ("canete-dual-bellows", "quad-bellows-glide", "movable-mass-twin", "seawing-spiral"):
+        design = load_preset(preset_id)
+        find_trims(design)
+        linearize(design, OperatingPoint(depth=5.0, velocity=(0.3, 0.0, 0.01)))
+        fleet = Fleet(design, 2, step_time=0.02, step=0.01)
+        fleet.advance()
+        cells = effectiveness(design)
+        allocate(cells, (0.1, 0.0, 0.0))
+    of_steady = (steady.newton_from_each, steady.balance_along)
+    for compiled in (*of_steady, linear.slopes, environments.advance_many, kernel_allocate.allocate):
+        assert len(compiled.signatures) == 1, compiled
+
+
+def test_what_state_feedback_may_use_is_in_the_kernels_order():
+    in_order = (
+        layout.DEPTH, layout.ROLL, layout.PITCH, layout.YAW, layout.SURGE, layout.SWAY, layout.HEAVE,
+        layout.ROLL_RATE, layout.PITCH_RATE, layout.YAW_RATE,
+    )  # fmt: skip
+    assert MEASURED == ("z", "phi", "theta", "psi", "u", "v", "w", "p", "q", "r")
+    assert in_order == tuple(range(len(MEASURED)))
 
 
 @given(designs(neutral=False))

@@ -25,7 +25,7 @@ from models.problems import DesignError
 from models.run import Run, Status
 from models.sampled_model import held_over, radius_of, sampled_model
 from models.simulate import simulate
-from tests.models.design_support import DIVE, designed, level_cells, uniform
+from tests.models.design_support import DIVE, designed, level_cells, planar_problem, uniform
 
 PLANE = ("theta", "u", "w", "q")
 
@@ -39,12 +39,6 @@ def quad() -> Design:
 def held(quad: Design) -> ControllerDesign:
     """Least quadratic cost with all states, and the defaults."""
     return designed(quad)
-
-
-def planar_problem(**options: Any) -> ControllerDesign:
-    """A planar glider with one moving mass and no lag: one loop."""
-    design = uniform("slocum-glide")
-    return design_controller(design, ControllerOptions(**({"sample_time": 0.5} | options)))
 
 
 def flown(result: ControllerDesign, *, factor: float = 1.0, late: float = 0.0, duration: float = 150.0) -> Run:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -238,6 +239,30 @@ def test_velocities_of_a_run_in_a_current_are_those_through_the_water():
     carried = changed(design, environment={"current": {"kind": "uniform", "velocity": [0.3, -0.2]}})
     still, moved = (OperatingPoint.from_run(simulate(each), 40.0) for each in (design, carried))
     assert moved.velocity == pytest.approx(still.velocity, abs=1e-7)
+
+
+def test_between_samples_a_point_of_a_run_is_interpolated():
+    """Straight lines between the two samples about it; through north the shorter way, in a current relative to it."""
+    current = {"current": {"kind": "uniform", "velocity": [0.3, -0.2]}}
+    run = simulate(changed(load_preset("quad-bellows-spiral"), duration=120.0, environment=current))
+    k = len(run.times) // 2
+    a, b = float(run.times[k]), float(run.times[k + 1])
+    ends = [OperatingPoint.from_run(run, time) for time in (a, b)]
+    at = OperatingPoint.from_run(run, 0.75 * a + 0.25 * b)
+    assert at.time == pytest.approx(0.75 * a + 0.25 * b, abs=1e-12)
+    for name in ("depth", "roll", "pitch", "yaw", "velocity", "angular_velocity"):
+        first, last = (np.array(getattr(end, name)) for end in ends)
+        assert np.array(getattr(at, name)) == pytest.approx(0.75 * first + 0.25 * last, abs=1e-12), name
+    for cell, extension in at.extensions.items():
+        first, last = (end.extensions[cell] for end in ends)
+        assert extension == pytest.approx(0.75 * first + 0.25 * last, abs=1e-15)
+    assert ends[0].depth == run.values["z"][k] and ends[0].time == a
+    psi = run.values["psi"].copy()
+    psi[[k, k + 1]] = 3.1, -3.1
+    over = OperatingPoint.from_run(replace(run, values=run.values | {"psi": psi}), 0.5 * (a + b))
+    assert math.remainder(over.yaw - math.pi, math.tau) == pytest.approx(0.0, abs=1e-12)
+    assert OperatingPoint.from_run(run, -1.0).time == 0.0
+    assert OperatingPoint.from_run(run, 1e9) == OperatingPoint.from_run(run, float(run.times[-1]))
 
 
 def test_the_model_can_be_sent():

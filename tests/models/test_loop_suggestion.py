@@ -10,6 +10,7 @@ import pytest
 from models.assemble import assemble
 from models.controller_design import design_controller
 from models.controller_options import ControllerOptions
+from models.controllers import Cascade, DepthBand
 from models.design import Design
 from models.loop_response import mission_from
 from models.loop_suggestion import suggest_loops
@@ -41,6 +42,36 @@ def test_suggested_loops_hold_pitch_and_heading(quad: Design, angle: float):
     assert np.abs(run.values["theta"][late] - point.pitch).max() < 2e-3
     assert np.abs(run.values["psi"][late] - 0.5).max() < 0.03
     assert np.ptp(run.values["theta"][late]) < 1e-3 and np.ptp(run.values["phi"][late]) < 0.02
+
+
+@pytest.mark.parametrize("angle", [-0.5, 0.5])
+def test_suggested_loops_serve_dives_and_climbs(quad: Design, angle: float):
+    """From one phase for both: a bank to the same side turns to the other side on climbs, which the loops know.
+
+    In a yo-yo each phase settles on its pitch and the heading, and the gain of the heading is one for both.
+    """
+    trim = {"targets": {"glide_angle": angle, "speed": 0.2}, "depth": 65.0}
+    point = design_controller(quad, ControllerOptions(trim=trim)).problem.point
+    cascade = suggest_loops(quad, point, heading=0.5).cascade
+    assert cascade.lateral.heading_loop.proportional > 0.0 and cascade.lateral.climb_bank == "opposite"
+    assert cascade.pitch.dive < 0.0 < cascade.pitch.climb
+    again = Cascade.model_validate_json(cascade.model_dump_json())
+    heave = abs(cascade.vertical.heave)
+    band = DepthBand(
+        kind="depth_band", top=30.0, bottom=100.0, dive_heave=-heave, climb_heave=heave,
+        first="climb" if angle > 0.0 else "dive",
+    )  # fmt: skip
+    controller = again.model_copy(update={"vertical": band})
+    run = simulate(mission_from(quad, point, controller, duration=1800.0, interval=1.0))
+    turns = [event.time for event in run.events if event.kind in ("dive", "climb")]
+    assert len(turns) >= 2
+    ends = [*turns, run.times[-1]]
+    for k, end in enumerate(ends):
+        # the heading is reached in the first phase, and held through every turn since
+        at = np.abs(run.times - (end - 5.0)).argmin()
+        climbs = (angle > 0.0) == (k % 2 == 0)
+        assert run.values["theta"][at] == pytest.approx(cascade.pitch.climb if climbs else cascade.pitch.dive, abs=2e-3)
+        assert run.values["psi"][at] == pytest.approx(0.5, abs=0.03)
 
 
 def test_loops_need_moments():

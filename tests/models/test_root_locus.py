@@ -8,11 +8,16 @@ import math
 import numpy as np
 import pytest
 
+from models.design import parse_design
+from models.limits import Limits
 from models.linearize import linearize
 from models.operating_point import OperatingPoint, point_of
 from models.presets import load_preset
 from models.problems import DesignError, Problem
 from models.root_locus import root_locus, with_value
+from models.simulate import simulate
+from models.stability import stability_over
+from models.targeted_trim import trim_for
 from models.trim import find_trims
 from tests.models.linear_support import GRAVITY, INERTIA, MASS, REST, resting_design
 
@@ -119,6 +124,103 @@ def test_an_extension_can_be_the_parameter(glider):
 def test_a_neutral_design_is_followed_at_rest():
     locus = root_locus(resting_design(damping={"roll": 0.02}), "/vehicle/components/0/inertia/xx", [0.01, 0.012])
     assert all(point.speed == 0.0 for point in locus.points)
+
+
+def test_rest_is_at_the_depth_at_which_it_was_sought(glider):
+    """A glider that starts at the surface is trimmed where all its parts are immersed."""
+    made = resting_design(damping={"roll": 0.02}).model_dump(mode="json")
+    made["mission"]["initial"]["position"][2] = 0.0
+    made["mission"]["environment"]["surface"] = "float"
+    made["vehicle"]["components"][0]["shapes"] = [
+        {"kind": "hull", "length": 0.5, "radius": 0.05, "nose_length": 0.1, "tail_length": 0.1}
+    ]
+    design = parse_design(made)
+    locus = root_locus(design, "/vehicle/components/0/inertia/xx", [0.01])
+    assert locus.points[0].depth == find_trims(design).depth > 0.0
+    assert root_locus(design, "/vehicle/components/0/inertia/xx", [0.01], depth=7.0).points[0].depth == 7.0
+
+
+FREE = ("Middle piston", "Battery slide")
+PATH = {"glide_angle": -0.5, "speed": 0.12}
+
+
+def test_each_value_can_be_trimmed_to_the_same_motion(glider):
+    design, ends = glider
+    pointer = "/vehicle/components/2/position/2"
+    values = [design.vehicle.components[2].position[2] + step for step in (0.0, 0.002, 0.004)]
+    locus = root_locus(design, pointer, values, extensions=ends, targets=PATH, free=FREE)
+    assert locus.failures == ()
+    for value, point in zip(values, locus.points, strict=True):
+        trim = trim_for(with_value(design, pointer, value), PATH, FREE, extensions=ends)
+        assert point.speed == pytest.approx(0.12, abs=1e-9)
+        assert point.extensions == pytest.approx(trim.extensions, abs=1e-9)
+        assert point.extensions["Front bellows"] == ends["Front bellows"]
+    assert len({point.extensions["Battery slide"] for point in locus.points}) == 3
+
+
+def test_values_at_which_targets_are_not_met_are_failures(glider):
+    design, ends = glider
+    pointer = "/extensions/Middle piston"
+    locus = root_locus(
+        design, pointer, [-0.012, 0.02], extensions=ends, targets={"glide_angle": -0.5}, free=["Battery slide"]
+    )
+    assert [value for value, _ in locus.failures] == [0.02]  # light: it can only climb
+    assert "place of" in locus.failures[0][1]
+
+
+@pytest.mark.parametrize(
+    ("options", "pointer"),
+    [
+        ({"targets": PATH}, "/options/free"),
+        ({"free": FREE}, "/options/targets"),
+        ({"targets": PATH, "free": FREE, "trim_at": at_rest}, "/options/targets"),
+        ({"targets": {"lift": 1.0}, "free": FREE[1:]}, "/options/targets/lift"),
+        ({"targets": PATH, "free": ["Wing"]}, "/options/free/0"),
+        ({"targets": PATH, "free": [FREE[1], FREE[0]]}, "/options/free/1"),
+    ],
+)
+def test_targets_that_do_not_fit_are_told_at_once(glider, options, pointer):
+    with pytest.raises(DesignError) as refused:
+        root_locus(glider[0], "/extensions/Middle piston", [0.0], **options)
+    assert [problem.pointer for problem in refused.value.problems] == [pointer]
+
+
+def test_progress_is_told_before_each_value_and_can_stop_it():
+    calls = []
+
+    def until(done, total):
+        calls.append((done, total))
+        return done < 2
+
+    with pytest.raises(DesignError, match="cancelled"):
+        root_locus(resting_design(), BELOW, [0.003, 0.004, 0.005, 0.006], trim_at=at_rest, progress=until)
+    assert calls == [(0, 4), (1, 4), (2, 4)]
+    assert root_locus(resting_design(), BELOW, [0.003], trim_at=at_rest, progress=until).failures == ()
+
+
+def test_limits_of_the_caller_hold():
+    few = Limits(duration=0.5)
+    with pytest.raises(DesignError, match=r"limit of 0\.5"):
+        root_locus(resting_design(), BELOW, [0.003], trim_at=at_rest, limits=few)
+    run = simulate(resting_design())
+    with pytest.raises(DesignError, match=r"limit of 0\.5"):
+        stability_over(run, limits=few)
+
+
+@pytest.mark.parametrize(
+    ("pointer", "told"),
+    [
+        ("/extensions/~x", "no JSON Pointer"),
+        ("/extensions/Front bellows/b", "no component that moves is named 'Front bellows/b'"),
+        ("/extensions/", "no component that moves"),
+        ("/extensions/Wing", "no component that moves is named 'Wing'"),
+    ],
+)
+def test_pointers_to_extensions_name_one_cell(glider, pointer, told):
+    with pytest.raises(DesignError, match=told) as refused:
+        root_locus(glider[0], pointer, [0.0])
+    (problem,) = refused.value.problems
+    assert problem.pointer == pointer and "'" not in problem.hint and "Front bellows" in problem.hint
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,8 @@ from models.presets import load_preset
 from models.problems import DesignError
 from models.run_warnings import turning_over
 from models.simulate import simulate
-from models.stability import QUANTITIES, stability_over
+from models.stability import QUANTITIES, Quantity, stability_over, stretches_lost, warning_of
+from models.trim import design_from, find_trims
 from models.vehicle_length import vehicle_length
 from tests.models.linear_support import quaternion_of
 from tests.models.support import document, polar
@@ -59,12 +60,16 @@ def test_a_change_of_sign_is_found_when_it_happens(model):
     history = stability_over(run)
     np.testing.assert_allclose(history.hydrostatic_margin, 0.004 - SLIDE * 0.005 * run.times, atol=1e-9)
     told = [w for w in history.warnings if "centre of buoyancy" in w.message]
-    assert len(told) == 1 and "falls below 0 at 8.00 s" in told[0].message and told[0].limit == 0.0
+    assert len(told) == 1 and "first lost at 8.00 s" in told[0].message and told[0].limit == 0.0
+    assert "longest below 0 from 8.00 to 10.00 s, at worst -0.001 m at 10.00 s" in told[0].message
+    assert "small motions are not stable all the while" in told[0].message
     assert told[0].pointer == "/vehicle/components"
+    (change,) = [c for c in history.changes if c.name == "hydrostatic_margin"]
+    assert change.lost and change.time == pytest.approx(8.0, abs=1e-6)
     worst = history.extreme("hydrostatic_margin")
     assert worst.time == pytest.approx(10.0) and worst.value == pytest.approx(-0.001, abs=1e-9)
-    growth = [w for w in history.warnings if "growth" in w.message]
-    assert any("rises above 0 at" in w.message for w in growth)
+    assert any(w.message.startswith("the growth of small motions") for w in history.warnings)
+    assert any(change.name == "growth" and change.lost for change in history.changes)
     (told,) = turning_over(run)
     assert told.pointer == "/vehicle/components" and "first at 8.10 s" in told.message and "1 mm" in told.message
 
@@ -75,14 +80,56 @@ def test_what_stays_upright_is_not_warned_of():
     assert not [w for w in stability_over(run).warnings if w.pointer == "/vehicle/components"]
 
 
-def test_every_change_of_sign_is_told_up_to_the_fifth():
+def test_changes_of_sign_are_kept_one_by_one_and_told_in_one_message():
     run = simulate(sliding(end=0.05))
     theta = np.full(len(run.times), 0.0)
     theta[1::2] = math.pi  # overturned at every other sample
-    told = [w.message for w in stability_over(replace(run, values=run.values | {"theta": theta})).warnings
-            if "centre of buoyancy" in w.message]  # fmt: skip
-    assert len(told) == 6 and told[0].endswith("lost") and told[1].endswith("regained")
-    assert told[-1].endswith(f"changes sign {len(run.times) - 1 - 5} more times")
+    history = stability_over(replace(run, values=run.values | {"theta": theta}))
+    changes = [c for c in history.changes if c.name == "hydrostatic_margin"]
+    assert len(changes) == len(run.times) - 1
+    assert [c.lost for c in changes[:3]] == [True, False, True]
+    (told,) = [w.message for w in history.warnings if "centre of buoyancy" in w.message]
+    assert f"changes sign {len(changes)} times: first lost at 0.05 s" in told
+
+
+WAVE = Quantity("pitch_margin", "the margin", "1", "/vehicle/hydrodynamics", 1e-6)
+NONE = (np.zeros(1), np.full(1, np.nan))
+
+
+def test_the_longest_stretch_is_told_with_its_worst_value_and_growth():
+    """sin t from -0.1 to 12 s: below 0 at first, from pi to 2 pi, and from 3 pi to the end."""
+    times = np.linspace(-0.1, 12.0, 12101)
+    values = np.where(times < 6.0, 1.0, 0.5) * np.sin(times)
+    stretches = stretches_lost(WAVE, times, values)
+    assert np.array(stretches) == pytest.approx(
+        np.array([[-0.1, 0.0], [math.pi, 2.0 * math.pi], [3.0 * math.pi, 12.0]]), abs=1e-5
+    )
+    growth = np.array([0.0, 4.0, 5.0, 8.0]), np.array([0.3, -0.2, -0.1, 0.4])
+    told = warning_of(WAVE, times, values, growth)
+    assert told is not None
+    assert "changes sign 4 times: first lost at the start, -0.10 s (until 0.00 s)" in told.message
+    assert "longest below 0 from 3.14 to 6.28 s, at worst -1 at 4.71 s" in told.message
+    assert "not stable all the while (growth up to 0.114 1/s)" in told.message  # a line from -0.1 at 5 s, at 2 pi
+    steady = warning_of(WAVE, times, values, (growth[0], -np.abs(growth[1])))
+    assert steady is not None and "; small motions are stable all the while (growth at most -0.1 1/s)" in steady.message
+    assert warning_of(WAVE, times, values, NONE).message.endswith("at 4.71 s")
+
+
+def test_what_never_has_the_right_sign_is_told_and_what_always_has_is_not():
+    times = np.arange(5.0)
+    told = warning_of(WAVE, times, np.array([np.nan, -1.0, -3.0, -2.0, np.nan]), NONE)
+    assert told is not None and told.message == "the margin is below 0 all the time, at worst -3 at 2.00 s"
+    assert warning_of(WAVE, times, np.ones(5), NONE) is None
+    assert warning_of(WAVE, times, np.full(5, np.nan), NONE) is None
+
+
+def test_a_preset_that_starts_at_rest_is_warned_of_once_for_each_quantity():
+    """Its pitch margin changes sign often while it falls broadside; what counts is that it stays negative then."""
+    history = stability_over(simulate(load_preset("quad-bellows-glide")))
+    assert len([c for c in history.changes if c.name == "pitch_margin"]) > 5
+    (told,) = [w.message for w in history.warnings if "margin in pitch" in w.message]
+    assert "first lost at 12.00 s" in told and "stable all the while" in told and "not stable" not in told
+    assert len(history.warnings) == len({(w.pointer, w.message.split(" changes ")[0]) for w in history.warnings}) <= 3
 
 
 def test_stiffness_is_how_the_moment_at_rest_changes():
@@ -186,6 +233,33 @@ def test_the_yaw_margin_is_that_of_the_lateral_coefficients():
     assert found.yaw[0] > 0.0  # the force acts behind: it turns the nose into the flow
 
 
+@pytest.mark.parametrize("surge", [0.3, -0.3])
+@pytest.mark.parametrize("mass_ahead", [0.15, -0.15])
+def test_positive_margins_right_it_whichever_way_it_moves(surge, mass_ahead):
+    """Turned by a small angle while it moves on, by the kernel's own loads about the centre of mass."""
+    lateral = {"source": "Made up.", "includes_munk_moment": True, "sway_sideslip": -20.0, "yaw_sideslip": 0.3}
+    made = glide_in(polar(), "spatial", lateral).model_dump(mode="json")
+    made["vehicle"]["components"][0]["center_of_mass"] = [mass_ahead, 0.0, 0.0]
+    made["mission"]["initial"] |= {"pitch": 0.0, "velocity": [surge, 0.0, 0.0]}
+    design = parse_design(made)
+    assembly, run = assemble(design), simulate(design).select(np.arange(1))
+    found, center = hydrodynamics(run, assembly), run.values["com_x"][0]
+
+    def moments(pitch_up: float, to_starboard: float) -> tuple[float, float]:
+        y, out = assembly.initial_state.copy(), np.zeros(6)
+        y[spatial_layout.V], y[spatial_layout.W] = -surge * to_starboard, surge * pitch_up
+        loads(0.0, y, assembly.params, out)
+        return out[4] + center * out[2], out[5] - center * out[1]
+
+    h = 1e-5
+    in_pitch = (moments(h, 0.0)[0] - moments(-h, 0.0)[0]) / (2 * h)
+    in_yaw = (moments(0.0, h)[1] - moments(0.0, -h)[1]) / (2 * h)
+    assert abs(in_pitch) > 0.1 and abs(in_yaw) > 0.1
+    assert (found.pitch[0] > 0.0) == (in_pitch < 0.0)
+    assert (found.yaw[0] > 0.0) == (in_yaw < 0.0)
+    assert (found.yaw[0] > 0.0) == (surge * mass_ahead > 0.0)  # the mass first
+
+
 def test_without_side_force_there_is_no_neutral_point_in_yaw():
     design = glide_in(polar(), "spatial")
     assert np.isnan(hydrodynamics(simulate(design), assemble(design)).yaw).all()
@@ -215,11 +289,32 @@ def test_every_preset_has_a_history_that_can_be_sent():
         assert history.extreme("hydrostatic_margin").value > 0.0
 
 
-def test_steep_instants_are_left_out():
+def test_growth_is_told_at_steep_instants_too():
+    """Straight up at rest the mass 4 mm below the axis hangs beside it; frozen there, that neither rights nor damps."""
     design = changed(sliding(end=0.05, model="spatial"), initial={"pitch": math.pi / 2, "velocity": [0.0, 0.0, 0.0]})
     history = stability_over(simulate(design), 5)
-    assert np.isnan(history.growth[0]) and np.isfinite(history.growth[-1])
-    assert history.extreme("growth").time > 0.0
+    assert np.isfinite(history.growth).all()
+
+
+@pytest.mark.parametrize("current", [None, [0.3, -0.2]])
+def test_growth_near_the_vertical_is_that_of_a_steady_dive(current):
+    """A body that sinks nose down: by a run, by its trim, and with Euler angles a little beside the vertical."""
+    made = sliding(end=0.0, model="spatial").model_dump(mode="json")
+    made["vehicle"]["components"][0] |= {"center_of_mass": [0.02, 0.0, 0.0], "volume": 9.9e-4}
+    made["vehicle"]["components"][1] |= {"position": [0.02, 0.0, 0.0]}
+    made["mission"]["solver"]["tolerance"] = 1e-10
+    if current:
+        made["mission"]["environment"] = {"current": {"kind": "uniform", "velocity": current}}
+    trim = next(t for t in find_trims(parse_design(made)).solutions if t.pitch < -1.5)
+    design = design_from(trim, parse_design(made))
+    assembly, run = assemble(design), simulate(design)
+    assert abs(math.degrees(trim.pitch) + 90.0) < 0.1
+    assert stability_over(run, 3).growth == pytest.approx(trim.growth, abs=1e-6)
+    y = assembly.initial_state.copy()
+    tilted = quaternion_of(np.array([0.0, trim.pitch + 5e-3, 0.0]))
+    y[spatial_layout.Q0 : spatial_layout.Q3 + 1] = tilted
+    _names, A = motion_matrix(assembly, assembly.params, y)
+    assert np.linalg.eigvals(A).real.max() == pytest.approx(trim.growth, abs=0.02 * (1.0 + abs(trim.growth)))
 
 
 def test_floating_gliders_are_not_said_to_turn_over():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from models.glide_polar import glide_polar
 from models.kernel import steady
 from models.linearize import motion_matrix
 from models.mass_properties import mass_balance
+from models.modes import NEUTRAL
 from models.motion_growth import matrix_by_down, matrix_in_plane
 from models.presets import load_preset
 from models.problems import DesignError
@@ -248,9 +250,15 @@ def test_growth_is_the_same_with_and_without_euler_angles(case):
     y = np.zeros(len(assembly.initial_state))
     steady.write_steady(s, problem.depth, y, problem.params)
     _names, A = motion_matrix(assembly, problem.params, y)
-    other = matrix_by_down(problem, s, y) if problem.spatial else matrix_in_plane(problem, y)
+    other = matrix_by_down(problem.params, y) if problem.spatial else matrix_in_plane(problem.params, y)
     spectra = [np.sort_complex(np.linalg.eigvals(matrix)) for matrix in (A, other)]
     assert spectra[0] == pytest.approx(spectra[1], rel=1e-5, abs=1e-7)
+
+
+def test_what_rounding_cannot_tell_from_neutral_is_not_stable():
+    trim = find_trims(load_preset("seawing-spiral")).stable[0]
+    assert not replace(trim, growth=-0.5 * NEUTRAL).stable
+    assert replace(trim, growth=-2.0 * NEUTRAL).stable
 
 
 @pytest.mark.parametrize("preset_id", ["quad-bellows-yo-yo", "quad-bellows-glide", "seawing-spiral"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,17 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from models.assemble import Assembly, assemble
+from models.bounded_motion import off_target
+from models.design import Design, parse_design
 from models.kernel.steady import EXTENSIONS, LOADS, ROWS
+from models.mass_properties import mass_balance
 from models.presets import load_preset
 from models.problems import DesignError
 from models.steady_problem import steady_problem
-from models.targeted_trim import TrimFailure, trim_for
+from models.targeted_trim import ActiveBound, Missed, TrimFailure, trim_for
 from models.trim import Trim, find_trims, motion_of
+from models.trim_targets import driven, targets_of
+from tests.models.test_trim import in_even_water
 from tests.strategies import designs
 
 DIVE = math.radians(-30.0)
@@ -182,6 +188,94 @@ def test_cells_of_one_side_cannot_glide_straight():
     found = trim_for(load_preset("quad-bellows-glide"), {"glide_angle": DIVE, "speed": 0.3}, FOUR[::2])
     assert isinstance(found, TrimFailure)
     assert "no turn" in str(found)
+
+
+def top_heavy(height: float) -> Design:
+    """The quad glider in even water, its trim ballast raised until the metacentric height is as given, m."""
+    made = in_even_water("quad-bellows-glide").model_dump(mode="json")
+    ballast = next(part for part in made["vehicle"]["components"] if part["name"] == "Trim ballast")
+    balance = mass_balance(parse_design(made).vehicle)
+    excess = balance.center_of_mass[2] - balance.center_of_buoyancy[2] - height
+    ballast["position"][2] -= excess * balance.mass / ballast["mass"]
+    return parse_design(made)
+
+
+def test_a_wanted_roll_of_zero_is_not_met_upside_down():
+    """Newton's method passes the vertical there and comes out beyond it without roll: which is upside down.
+
+    The upright glide that is wanted is unstable with the mass above.
+    """
+    given_e = {name: 0.0262 if name.startswith("Front") else 0.0282 for name in FOUR}
+    targets = {"glide_angle": DIVE, "speed": 0.3, "roll": 0.0, "turn_rate": 0.0}
+    trim = trimmed(assemble(top_heavy(-0.75e-3)), targets, FOUR, extensions=given_e)
+    assert (trim.roll, abs(trim.pitch) < 1.0, trim.stable) == (pytest.approx(0.0, abs=1e-9), True, False)
+    assert "-0.00" not in str(trim)
+
+
+def test_what_is_missed_is_told_of_the_upright_motion():
+    """Roll is within a half turn of what is wanted, and pitch within 90 deg of level, whatever way a search went."""
+    found = trim_for(top_heavy(-0.75e-3), {"glide_angle": DIVE, "speed": 2.5, "roll": 3.1, "turn_rate": 0.0}, FOUR)
+    assert isinstance(found, TrimFailure) and found.nearest is not None
+    told = {miss.target: miss.reached for miss in found.missed}
+    assert told["speed"] == pytest.approx(found.nearest.speed, rel=1e-9)
+    assert told.get("roll", found.nearest.roll) == pytest.approx(found.nearest.roll, abs=1e-9)
+
+
+def test_angles_off_by_whole_turns_are_not_off():
+    rows = np.zeros(len(ROWS))
+    rows[ROWS.index("roll")], rows[ROWS.index("pitch")] = math.pi - 1e-3, 2.0 * math.pi
+    wanted = np.zeros(len(ROWS))
+    wanted[ROWS.index("roll")] = -math.pi + 1e-3
+    off = off_target(rows, wanted)
+    assert off[ROWS.index("roll")] == pytest.approx(-2e-3) and off[ROWS.index("pitch")] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("depth", [2.0, 30.0])
+@pytest.mark.parametrize(
+    "targets",
+    [
+        {"glide_angle": DIVE}, {"glide_angle": -DIVE}, {"glide_angle": DIVE, "turn_radius": 10.0}, {"pitch": -0.4},
+        {"glide_angle": DIVE, "turn_radius": -25.0}, {"roll": 0.2, "turn_radius": 30.0}, {"roll": -0.3},
+        {"glide_angle": DIVE, "roll": 0.2}, {"turn_rate": 0.01},
+    ],
+)  # fmt: skip
+def test_a_path_alone_from_nearly_neutral_extensions_is_no_crawl(targets, depth):
+    """At either depth the given extensions leave 0.3 N of the 8 N that the cells can do: in layers, to either side."""
+    trim = trimmed("quad-bellows-glide", targets, FOUR, depth=depth)
+    assert trim.speed > 0.08
+    for name, value in targets.items():
+        assert getattr(trim, name) == pytest.approx(value, rel=1e-9, abs=1e-9), name
+
+
+def test_targets_that_imply_a_path_are_not_told_to_contradict_another():
+    """Speed, turn rate and radius together leave a path of 78 deg: a failure is in words, of what was given."""
+    found = trim_for(load_preset("quad-bellows-glide"), {"speed": 5.0, "turn_rate": 0.01, "turn_radius": 100.0}, FOUR)
+    assert isinstance(found, TrimFailure)
+    assert {miss.target for miss in found.missed} <= {"speed", "turn_rate", "turn_radius"}
+
+
+@pytest.mark.parametrize("share", [0.5, 0.3])
+def test_extensions_that_drive_it_well_are_kept_as_a_start(share):
+    """From a third (or more) of what the cells could add, the nearest trim is the one that is taken."""
+    assembly = assemble(in_even_water("quad-bellows-glide"))
+    given_e = dict.fromkeys(FOUR, (1.0 - share) * 0.05)
+    problem = steady_problem(assembly, extensions=given_e)
+    wish = targets_of({"glide_angle": DIVE}, spatial=True)
+    free = np.arange(EXTENSIONS, EXTENSIONS + 4)
+    assert driven(problem, free, wish) is problem
+    crawling = steady_problem(assembly, extensions=dict.fromkeys(FOUR, 0.049))
+    moved = driven(crawling, free, wish)
+    best = steady_problem(assembly, extensions=dict.fromkeys(FOUR, 0.0)).net_weight
+    assert moved.net_weight == pytest.approx(0.5 * best, rel=0.02)
+
+
+@pytest.mark.parametrize("angle", [0.0, -0.0, -1e-5, 1e-5])
+def test_no_negative_zero_is_shown(angle):
+    trim = trimmed("quad-bellows-glide", {"glide_angle": DIVE, "speed": 0.3}, FOUR)
+    shown = str(replace(trim, roll=angle, pitch=angle))
+    assert "roll +0.00 deg" in shown and "-0.00" not in shown
+    assert "roll +0 deg in place of +1" in str(Missed("roll", math.radians(1.0), -1e-3 * abs(angle) ** 2))
+    assert "0 mm" in str(ActiveBound("A", "lower", -0.0, "m")) and "-0" not in str(ActiveBound("A", "lower", -0.0, "m"))
 
 
 CONTRADICTIONS: list[tuple[dict[str, float], str]] = [

@@ -12,7 +12,8 @@ from models.linearize import linearize
 from models.operating_point import point_of
 from models.presets import load_preset
 from models.trim import find_trims
-from tests.server.support import ask, assert_problem, preset, read_json
+from server.running import Runner
+from tests.server.support import ask, assert_problem, local_app, preset, read_json
 
 AT = "/api/v1/analyses:"
 QUAD = "quad-bellows-spiral"
@@ -89,8 +90,109 @@ def test_an_instant_of_the_mission_and_a_root_locus():
     answer = analyze("linearize", targets=STEEP, locus=locus)
     rows = answer["locus"]["eigenvalues"]
     assert len(rows) == 3 and answer["locus"]["failures"] == []
+    # each value is trimmed to the motion that was asked for, not at the extensions of the first
+    for point in answer["locus"]["points"]:
+        assert math.hypot(*point["velocity"]) == pytest.approx(STEEP["speed"], abs=1e-8)
+        assert point["extensions"] == pytest.approx(answer["trim"]["extensions"], abs=1e-6)
     damped = [sum(real for real, _ in row) for row in rows]
     assert damped[0] > damped[1] > damped[2]  # the sum of eigenvalues is the trace: damping only adds to it
+
+
+def test_starting_extensions_do_not_move_the_trim_of_a_locus():
+    """The cells that meet the targets start elsewhere: damping in pitch does not change a straight glide."""
+    locus = {"pointer": "/vehicle/damping/pitch", "values": [2.0, 8.0]}
+    answer = analyze("linearize", targets=STEEP, extensions={"Front port cell": 0.04}, locus=locus)
+    assert answer["trim"]["extensions"]["Front port cell"] != pytest.approx(0.04, abs=1e-3)
+    for point in answer["locus"]["points"]:
+        assert point["extensions"] == pytest.approx(answer["trim"]["extensions"], abs=1e-6)
+        assert point["pitch"] == pytest.approx(answer["trim"]["pitch"], abs=1e-8)
+
+
+def test_a_locus_over_an_extension_moves_the_other_cells():
+    cell = "Front port cell"
+    e = analyze("trim", targets=STEEP)["trims"][0]["extensions"][cell]
+    answer = analyze("linearize", targets=STEEP, locus={"pointer": f"/extensions/{cell}", "values": [e, e + 1e-4]})
+    assert answer["locus"]["failures"] == []
+    assert [point["extensions"][cell] for point in answer["locus"]["points"]] == pytest.approx([e, e + 1e-4])
+    wrong = {"targets": STEEP, "free": [cell], "locus": {"pointer": f"/extensions/{cell}", "values": [e]}}
+    wrong["free"] += ["Front starboard cell", "Rear port cell", "Rear starboard cell"]
+    sent = {"design": preset(QUAD), "options": wrong}
+    assert_problem(ask("POST", f"{AT}linearize", sent), 422, pointer="/options/free/0", says="takes the values")
+
+
+def test_a_run_that_is_cut_off_is_told():
+    app = local_app(preview_seconds=1e-3)
+    sent = {"design": preset("quad-bellows-yo-yo"), "options": {"samples": 5}}
+    answer = read_json(ask("POST", f"{AT}stability", sent, app=app))
+    assert answer["status"] == "cancelled" and "stopped after 0.001 s" in answer["message"]
+    whole = analyze("stability", "three-cell-glider", samples=5)
+    assert whole["status"] == "completed" and whole["message"]
+    sent = {"design": preset("quad-bellows-yo-yo"), "options": {"time": 0.0}}
+    cut_off = ask("POST", f"{AT}linearize", sent, app=app)
+    assert_problem(cut_off, 422, pointer="/options/time", says="stopped after 0.001 s")
+
+
+def heavy_with_parts(count: int) -> dict:
+    """The quad-bellows glider with weightless parts besides, more than are accepted unless settings say so."""
+    design = preset(QUAD)
+    parts = design["vehicle"]["components"]
+    rigid = next(part for part in parts if part["name"] == "Trim ballast")
+    parts += [rigid | {"name": f"Part {k}", "mass": 0.0} for k in range(count - len(parts))]
+    design["mission"]["duration"] = 20.0
+    return design
+
+
+def test_settings_say_how_many_parts_a_design_may_have():
+    many = heavy_with_parts(266)
+    trim = {"targets": STEEP}
+    locus = {"pointer": "/vehicle/damping/pitch", "values": [2.0, 8.0]}
+    feedback = {
+        "trim": trim, "states": ["theta", "u", "w", "q"], "step": {"amount": 0.01, "duration": 5.0},
+        "departures": {"theta": 0.01}, "recovery_duration": 5.0,
+    }  # fmt: skip
+    table = {"target": "glide_angle", "values": [-0.45, -0.44]}
+    asked = [
+        (f"{AT}trim", trim), (f"{AT}polar", {"points": 3}), (f"{AT}stability", {"samples": 3}),
+        (f"{AT}linearize", trim | {"locus": locus}), (f"{AT}linearize", {"time": 10.0}), (f"{AT}allocation", {}),
+        ("/api/v1/controllers:design", feedback), ("/api/v1/controllers:design", {"kind": "cascade", "trim": trim}),
+        ("/api/v1/controllers:design", {"trim": {"targets": {"speed": 0.3}}, "states": ["theta", "q"], "table": table}),
+    ]  # fmt: skip
+    app = local_app(max_components=512)
+    for path, options in asked:
+        sent = {"design": many, "options": options}
+        answer = read_json(ask("POST", path, sent, app=app))
+        assert "errors" not in answer, (path, options, answer)
+        assert not (answer.get("locus") or {}).get("failures"), answer["locus"]["failures"]
+        assert_problem(ask("POST", path, sent), 422, pointer="/design/vehicle/components")
+
+
+@pytest.mark.parametrize("name", ["trim", "polar", "linearize", "stability", "allocation"])
+def test_analyses_wait_for_their_turn(name, monkeypatch):
+    """As many at once as there are processors, not as many as there are threads."""
+    ran = []
+    run = Runner.run
+
+    async def counted(self, request, work):
+        ran.append(request.url.path)
+        return await run(self, request, work)
+
+    monkeypatch.setattr(Runner, "run", counted)
+    options = {"points": 2} if name == "polar" else {}
+    ask("POST", AT + name, {"design": preset(), "options": options})
+    assert ran == [f"{AT}{name}"]
+
+
+def test_a_glider_that_floats_is_told_how_to_name_a_motion():
+    sent = {"design": preset("three-cell-glider"), "options": {}}
+    problem = assert_problem(ask("POST", f"{AT}linearize", sent), 422, pointer="/options/extensions")
+    hint = problem["errors"][0]["hint"]
+    assert all(words in hint for words in ("options.targets", "--target", "options.time", "--time"))
+    assert analyze("linearize", "three-cell-glider", targets={"glide_angle": STEEP["glide_angle"]})["trim"]
+
+
+def test_no_free_cells_named_are_all():
+    every = analyze("trim", targets=STEEP)
+    assert analyze("trim", targets=STEEP, free=None) == analyze("trim", targets=STEEP, free=[]) == every
 
 
 def test_stability_is_followed_along_the_mission():
@@ -128,6 +230,19 @@ def test_cells_and_what_is_wanted_of_them():
         ("polar", {"cells": ["Tail"]}, "/options/cells/0"),
         ("linearize", {"time": 1e6}, "/options/time"),
         ("linearize", {"targets": {"speed": 9.0}}, "/options/targets"),
+        ("allocation", {"effort": {"Tail/1": 1.0}}, "/options/effort/Tail~11"),
+        (
+            "linearize", {"targets": STEEP, "locus": {"pointer": "/vehicle/damping/nose", "values": [1.0]}},
+            "/options/locus/pointer",
+        ),
+        (
+            "linearize", {"targets": STEEP, "locus": {"pointer": "/extensions/Tail", "values": [1.0]}},
+            "/options/locus/pointer",
+        ),
+        (
+            "linearize", {"targets": STEEP, "locus": {"pointer": "/mission/duration", "values": [-1.0]}},
+            "/options/locus/pointer",
+        ),
         (
             "linearize", {"targets": STEEP, "responses": [{"input": "wind", "output": "theta"}]},
             "/options/responses/0/input",

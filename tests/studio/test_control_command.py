@@ -12,7 +12,7 @@ from models.presets import load_preset
 from models.simulate import simulate
 from server.schemas_control import DesignedController
 from studio.__main__ import main
-from studio.exit_codes import DONE, MISUSED, REFUSED, UNUSABLE
+from studio.exit_codes import DONE, MISUSED, REFUSED
 
 DIVE = ["--target", "glide_angle=-0.5", "--target", "speed=0.2", "--depth", "30"]
 FEW = [*DIVE, "--state", "theta", "--state", "q", "--state", "w", "--state", "u"]
@@ -61,10 +61,57 @@ def test_json_is_the_answer_of_the_api(quad, capsys):
         (["--target", "speed=9"], REFUSED, "/options/trim/targets"),
         ([*DIVE, "--sample-time", "0"], REFUSED, "/sample_time"),
         ([*FEW, "-o", "gains.xls"], MISUSED, ".json, .mat, .py"),
-        ([*FEW, "--plot", "step.png"], UNUSABLE, "--step"),
+        ([*FEW, "--plot", "step.png"], MISUSED, "--step"),
+        ([*DIVE, "--kind", "cascade", "-o", "a.mat"], MISUSED, "write .json"),
+        ([*DIVE, "--table", "pitch", "-0.5", "-0.4", "-o", "a.py"], MISUSED, "write .json"),
+        ([*DIVE, "--kind", "cascade", "--duration", "10"], MISUSED, "--duration"),
+        ([*DIVE, "--kind", "cascade", "--state", "theta"], REFUSED, "/options/states"),
+        ([*DIVE, "--kind", "cascade", "--integrals", "1"], REFUSED, "/options/integrals"),
+        ([*FEW, "--cell-share", "Tail=0.1"], REFUSED, "/options/shares/Tail"),
+        ([*FEW, "--integral-time", "0"], REFUSED, "/options/integral_time"),
+        ([*FEW, "--heading", "200deg"], REFUSED, "/options/trim/heading"),
+        ([*FEW, "--departure", "speed=0.1"], REFUSED, "/options/departures/speed"),
+        ([*FEW, "--table", "speed", "0.2", "0.21", "--step", "theta=0.1"], REFUSED, "/options/step"),
     ],
 )
 def test_errors_are_a_line(quad, capsys, arguments, code, says):
     assert main(["design-controller", quad, *arguments]) == code
     told = capsys.readouterr().err
     assert told.count("\n") == 1 and says in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--deviation", "theta=1", "--deviation", "theta=2"], "'theta' is given twice"),
+        (["--cell-share", "a=1", "--cell-share", "a=2"], "'a' is given twice"),
+        (["--table", "pitch", "steep"], "'steep' is not a finite number"),
+        (["--pole", "nan"], "'nan' is not a complex number"),
+        (["--plot", "step.xyz"], ".png, .svg or .pdf"),
+    ],
+)
+def test_a_wrong_command_line_is_told_before_anything_is_computed(capsys, arguments, says):
+    with pytest.raises(SystemExit) as stopped:
+        main(["design-controller", "no such file", *arguments])
+    assert stopped.value.code == MISUSED
+    assert says in capsys.readouterr().err
+
+
+def test_the_way_back_and_a_heading(quad, tmp_path, capsys):
+    picture = tmp_path / "back.svg"
+    asked = ["--departure", "theta=0.5deg", "--duration", "40", "--heading", "30deg", "--plot", str(picture)]
+    assert main(["design-controller", quad, *FEW, *asked, "--json"]) == DONE
+    feedback = json.loads(capsys.readouterr().out)["feedback"]
+    assert feedback["trim"]["yaw"] == pytest.approx(0.5236, abs=1e-4)
+    recovery = feedback["recovery"]
+    assert recovery["start"] - recovery["goal"] == pytest.approx(0.0087266, abs=1e-6)
+    assert recovery["times"][-1] == 40.0 and recovery["status"] == "completed"
+    assert picture.stat().st_size > 10_000
+
+
+def test_a_table_over_a_target_in_degrees(quad, tmp_path, capsys):
+    path = tmp_path / "table.json"
+    few = [*FEW[2:], "--table", "glide_angle", "-28deg", "-26deg", "--cell-share", "Front port cell=0.1"]
+    assert main(["design-controller", quad, *few, "-o", str(path)]) == DONE
+    points = load_design(path).mission.control.controller.points
+    assert [point.value for point in points] == pytest.approx([-0.48869, -0.45379], abs=1e-5)
