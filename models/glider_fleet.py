@@ -63,8 +63,9 @@ class Fleet:
         chunks = [c for c in np.array_split(np.arange(count), max(threads, 1)) if len(c)]
         self._calls = [
             (
-                False, self.times[rows], step_time, step, MOST_STEPS, self.states[rows], self.told[rows], self.codes[rows],
-                self.seen[rows], self.params, params.make_work(n, parts), params.make_record(0, n, 1, np.zeros(2)),
+                False, self.times[rows], step_time, step, MOST_STEPS, self.states[rows], self.told[rows],
+                self.codes[rows], self.seen[rows], self.params, params.make_work(n, parts),
+                params.make_record(0, n, 1, np.zeros(2)),
             )
             for rows in (slice(int(c[0]), int(c[-1]) + 1) for c in chunks)
         ]  # fmt: skip

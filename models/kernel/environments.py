@@ -15,10 +15,10 @@ from models.kernel.jit import compiled
 def advance_many(pair, times, span, step, max_steps, states, told, codes, seen, p, work, record):
     """Advance every row of `states` (m, n) in place by `span` (s) with RK4 steps of `step` (s), or by the pair.
 
-    `max_steps` bounds the steps of each row, `codes` (m,) get how each ended. `times` (m,) s is advanced too; `told` (m, parts) are the commands held meanwhile, NaN for a part that follows its
-    schedule. `seen` (m, MEASURED) gets what ideal instruments measure afterwards. A row whose code is not that of a
-    completed run when the call begins has ended, and is left as it is. `work` and `record` are scratch; the record
-    needs no room.
+    `max_steps` bounds the steps of each row, `codes` (m,) get how each ended. `times` (m,) s is advanced too; `told`
+    (m, parts) are the commands held meanwhile, NaN for a part that follows its schedule. `seen` (m, MEASURED) gets what
+    ideal instruments measure afterwards. A row whose code is not that of a completed run when the call begins has
+    ended, and is left as it is. `work` and `record` are scratch; the record needs no room.
     """
     for i in range(states.shape[0]):
         if codes[i] != COMPLETED:
