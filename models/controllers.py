@@ -57,24 +57,29 @@ class _Sampled(Description):
 
 
 class Loop(Description):
-    """A loop from an angle to a moment (or, for the heading, to a bank): P on the error, I, D on the measured rate."""
+    """A loop from an angle to a moment: P on the error, I on its integral, D on the measured rate of turning."""
+
+    proportional: float = quantity("Gain on the error.", unit="N m/rad", symbol="k_p", ge=-1e9, le=1e9, default=0.0)
+    integral: float = quantity(
+        "Gain on the error's integral.", unit="N m/(rad s)", symbol="k_i", ge=-1e9, le=1e9, default=0.0
+    )
+    derivative: float = quantity(
+        "Gain on the measured rate of turning.", unit="N m s/rad", symbol="k_d", ge=-1e9, le=1e9, default=0.0
+    )
+    limit: float = quantity(
+        "Largest magnitude of the moment.", unit="N m", symbol="M_max", gt=0.0, le=1e9, default=LARGEST_FORCE
+    )
+
+
+class HeadingLoop(Description):
+    """The loop from the heading to a bank: P on the error, I on its integral, D on the measured rate of turning."""
 
     proportional: float = quantity(
-        "Gain on the error, N m/rad (heading: rad of bank a rad).",
-        unit="N m/rad", symbol="k_p", ge=-1e9, le=1e9, default=0.0,
-    )  # fmt: skip
-    integral: float = quantity(
-        "Gain on the error's integral, N m/(rad s) (heading: 1/s).",
-        unit="N m/(rad s)", symbol="k_i", ge=-1e9, le=1e9, default=0.0,
-    )  # fmt: skip
-    derivative: float = quantity(
-        "Gain on the measured rate of turning, N m s/rad (heading: s).",
-        unit="N m s/rad", symbol="k_d", ge=-1e9, le=1e9, default=0.0,
-    )  # fmt: skip
-    limit: float = quantity(
-        "Largest magnitude of the moment (heading: of the bank, rad).",
-        unit="N m", symbol="limit", gt=0.0, le=1e9, default=LARGEST_FORCE,
-    )  # fmt: skip
+        "Bank for an error of heading, rad by rad.", unit="1", symbol="k_p", ge=-1e9, le=1e9, default=1.0
+    )
+    integral: float = quantity("Gain on the error's integral.", unit="1/s", symbol="k_i", ge=-1e9, le=1e9, default=0.0)
+    derivative: float = quantity("Gain on the measured yaw rate.", unit="s", symbol="k_d", ge=-1e9, le=1e9, default=0.0)
+    limit: float = quantity("Largest bank.", unit="rad", symbol="phi_max", gt=0.0, le=1.5, default=0.5)
 
 
 class HoldHeave(Description):
@@ -211,9 +216,9 @@ class Lateral(Description):
 
     guidance: LateralGuidance = text("Which bank or heading, or way, is wanted.")
     roll_loop: Loop = text("Gains from the error of bank to a roll moment.")
-    heading_loop: Loop = text(
+    heading_loop: HeadingLoop = text(
         "Gains from the error of heading to a bank; its limit is the largest bank.",
-        default=Loop(proportional=1.0, limit=0.5),
+        default=HeadingLoop(),
     )
     climb_bank: Literal["same", "opposite"] = text(
         "Sense of the bank that turns to the same side on climbs: opposite where the wing's lift turns the glider, "

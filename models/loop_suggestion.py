@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from models.allocation import AXES, Effectiveness, authority, effectiveness
 from models.assemble import Assembly
 from models.controller_options import ControllerOptions
-from models.controllers import Cascade, HoldHeading, HoldHeave, Lateral, Loop, Pitch
+from models.controllers import Cascade, HeadingLoop, HoldHeading, HoldHeave, Lateral, Loop, Pitch
 from models.design import Design
 from models.feedback_problem import FeedbackProblem, feedback_problem, ordered
 from models.modes import EXTENSION
@@ -292,7 +292,7 @@ def _lateral(
     lateral = Lateral(
         guidance=HoldHeading(kind="heading", heading=heading),
         roll_loop=loop.model_copy(update={"limit": moment}),
-        heading_loop=Loop(proportional=gain, limit=bank),
+        heading_loop=HeadingLoop(proportional=gain, limit=bank),
     )
     return lateral, quality
 

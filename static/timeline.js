@@ -1,6 +1,6 @@
 // Lanes and plots on one time axis, with one red line through all of them.
 
-import { $, el } from "./dom.js";
+import { $, el, setText } from "./dom.js";
 import { clockText } from "./format.js";
 import { Lane } from "./lane.js";
 import { Legend } from "./legend.js";
@@ -111,6 +111,9 @@ export class Timeline {
       if (place !== lane.root) $("lanes").insertBefore(lane.root, place ?? null);
     }
     $("no-cells").hidden = state.schedules.length > 0;
+    const free = state.schedules.filter((s) => !s.controlled);
+    this.hint ??= $("lane-hint").textContent;
+    setText($("lane-hint"), free.length || !state.schedules.length ? this.hint : "All cells are under control: lanes show the commands they hold");
   }
 
   layout() {
