@@ -34,6 +34,8 @@ def test_presets_are_listed_with_pictures(program, page):
     expect(cards).to_have_count(len(preset_ids()))
     pictures = page.locator("img[src*='presets/']")
     expect(pictures).to_have_count(len(preset_ids()))
+    for k in range(pictures.count()):  # they load as they come into sight
+        pictures.nth(k).scroll_into_view_if_needed()
     page.wait_for_function("() => [...document.images].every(i => i.complete && i.naturalWidth > 0)")
 
 
