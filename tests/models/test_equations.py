@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -78,6 +78,14 @@ def assert_accelerates(equations, got, position, velocity, right):
     assert np.abs(got - expected).max() <= 1e-10 * terms.max()  # rounding of the terms that cancel
 
 
+def drawn(data, strategy, u, w):
+    """Draw a state away from 90 and 180 deg of attack: laws may jump there, and rounding says on which side."""
+    y = data.draw(strategy)
+    attack = abs(math.atan2(y[w], y[u]))
+    assume(y[u] == y[w] == 0.0 or min(abs(attack - 0.5 * math.pi), math.pi - attack) > 1e-6)
+    return y
+
+
 def check_planar(design, y):
     assembly = assemble(design)
     q, v = world(y)
@@ -101,26 +109,26 @@ def check_spatial(design, y):
 @settings(max_examples=4)
 @given(st.data())
 def test_planar_presets_accelerate_as_printed(name, data):
-    check_planar(preset(name), data.draw(states(assemble(preset(name)))))
+    check_planar(preset(name), drawn(data, states(assemble(preset(name))), 3, 4))
 
 
 @settings(max_examples=8)
 @given(st.data(), designs(most=5, neutral=False))
 def test_any_planar_design_accelerates_as_printed(data, design):
-    check_planar(design, data.draw(states(assemble(design))))
+    check_planar(design, drawn(data, states(assemble(design)), 3, 4))
 
 
 @pytest.mark.parametrize("name", SPATIAL)
 @settings(max_examples=4)
 @given(st.data())
 def test_spatial_presets_accelerate_as_printed(name, data):
-    check_spatial(preset(name), data.draw(spatial_states(assemble(preset(name)))))
+    check_spatial(preset(name), drawn(data, spatial_states(assemble(preset(name))), 7, 9))
 
 
 @settings(max_examples=8)
 @given(st.data(), spatial_designs(most=4).map(in_still_uniform_water))
 def test_any_spatial_design_accelerates_as_printed(data, design):
-    check_spatial(design, data.draw(spatial_states(assemble(design))))
+    check_spatial(design, drawn(data, spatial_states(assemble(design)), 7, 9))
 
 
 def test_a_table_over_both_angles_enters_as_printed():
