@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from models.components import Extension
-from models.controllers import SetPoint
+from models.controllers import SetPoint, Timing
 from models.fields import Description, Name, quantity, text, vector
 
 Deviation = Annotated[float, Field(strict=True, gt=0.0, le=1e6)]
@@ -76,7 +76,7 @@ class TableOptions(Description):
         return self
 
 
-class ControllerOptions(Description):
+class ControllerOptions(Timing):
     """How a state feedback is designed.
 
     Weights follow Bryson's rule: one over the square of the largest acceptable deviation (Bryson and Ho, 1975, 5.2).
@@ -114,13 +114,6 @@ class ControllerOptions(Description):
     poles: tuple[Pole, ...] = vector(
         "Poles (real and imaginary part) of the closed loop, one a state and integral, with their conjugates.",
         unit="1/s", symbol="s_k", default=(), max_length=72,
-    )  # fmt: skip
-    sample_time: float = quantity(
-        "Time between samples; commands are held in between.", unit="s", symbol="T_s", ge=1e-3, le=1e4, default=1.0
-    )
-    delay: float = quantity(
-        "Time from a sample until its commands reach the actuators.",
-        unit="s", symbol="T_d", ge=0.0, le=1e4, default=0.0,
     )  # fmt: skip
     step: StepOptions | None = text("A step to fly; none if not given.", default=None)
     departures: dict[Name, Departure] = vector(

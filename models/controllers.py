@@ -41,7 +41,9 @@ class Noise(Description):
     )
 
 
-class _Sampled(Description):
+class Timing(Description):
+    """When a controller samples, and when its commands arrive."""
+
     sample_time: float = quantity(
         "Time between samples; commands are held in between.", unit="s", symbol="T_s", ge=1e-3, le=1e4, default=1.0
     )
@@ -49,6 +51,9 @@ class _Sampled(Description):
         "Time from a sample until its commands reach the actuators.",
         unit="s", symbol="T_d", ge=0.0, le=1e4, default=0.0,
     )  # fmt: skip
+
+
+class _Sampled(Timing):
     deadband: float = quantity(
         "Share of its stroke by which a command must change before an actuator is bothered.",
         unit="1", symbol="d", ge=0.0, le=1.0, default=0.0,

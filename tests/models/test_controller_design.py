@@ -187,7 +187,8 @@ def test_a_gain_beyond_the_margin_makes_the_flight_swing_and_one_within_does_not
 
 
 def test_margins_of_one_loop_are_those_of_python_control():
-    control = pytest.importorskip("control")
+    import control  # loading it takes a second and a half
+
     result = planar_problem(trim={"depth": 20.0}, delay=0.7)
     problem = result.problem
     model = problem.whole()

@@ -61,7 +61,8 @@ def test_a_mat_file_reads_back(result: ControllerDesign, tmp_path: Path):
 
 
 def test_python_controls_systems_have_labels_and_the_same_matrices(result: ControllerDesign):
-    control = pytest.importorskip("control")
+    import control  # loading it takes a second and a half
+
     plant, closed = to_control(result), to_control(result, "closed")
     np.testing.assert_array_equal(plant.A, result.problem.model.A)
     assert tuple(plant.state_labels) == result.problem.model.state_names
@@ -97,7 +98,6 @@ def test_the_script_alone_prints_a_table(result: ControllerDesign, tmp_path: Pat
 
 
 def test_the_script_rebuilds_python_controls_systems(result: ControllerDesign):
-    pytest.importorskip("control")
     names: dict[str, Any] = {"__name__": "loop"}
     exec(to_script(result), names)
     np.testing.assert_array_equal(names["plant"]().A, result.problem.model.A)
