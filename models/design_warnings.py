@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.added_mass import damping_matrix
-from models.allocation import authority
+from models.allocation import allocate, authority
 from models.assemble_control import controlled_cells
 from models.controllers import Cascade, DepthBand, HoldHeave
 from models.design import Design
@@ -153,12 +153,14 @@ def _control(design: Design) -> Iterator[Problem]:
             limit=bed, hint="end it above the bed, or no climb begins",
         )  # fmt: skip
     cells = controlled_cells(design, controller)
-    most = authority(cells).alone["heave"]
     wanted = (
         {"heave": vertical.heave} if isinstance(vertical, HoldHeave)
         else {"dive_heave": vertical.dive_heave, "climb_heave": vertical.climb_heave}
     )  # fmt: skip
     for field, heave in wanted.items():
+        if not allocate(cells, (heave, 0.0, 0.0)).short:
+            continue  # the usual case, told in microseconds; what the cells can do at most takes linear programmes
+        most = authority(cells).alone["heave"]
         if not most[0] - 1e-9 <= heave <= most[1] + 1e-9:
             yield Problem(
                 f"{at}/{field}",

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from models.allocation import AXES, allocate, effectiveness
+from models.allocation import AXES, allocate, authority, effectiveness
 from models.assemble import Assembly
-from models.controllability import controllability, holding_power
+from models.controllability import HoldingPower, controllability
 from models.frequency_response import frequency_response
 from models.glide_polar import glide_polar
 from models.limits import Limits
@@ -251,7 +251,7 @@ def allocation_answer(assembly: Assembly, options: wire.AllocationOptions) -> wi
     design = assembly.design
     with options_sent_at():
         cells = effectiveness(design, options.cells, depth=options.depth)
-        held = holding_power(design, options.cells, depth=options.depth)
+    held = HoldingPower(cells.cells, authority(cells))
     unknown = [name for name in options.effort if name not in cells.cells]
     if unknown:
         hint = f"those are: {', '.join(cells.cells) or 'none'}"
