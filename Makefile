@@ -69,7 +69,7 @@ presets: setup
 # Needs uv. The files name no index and carry the hashes of every platform's wheels.
 lock:
 	uv pip compile pyproject.toml --extra build --universal --python-version 3.11 --generate-hashes --no-annotate --no-header -q -o requirements/run.txt
-	uv pip compile pyproject.toml --extra build --extra dev -c requirements/run.txt --universal --python-version 3.11 --generate-hashes --no-annotate --no-header -q -o requirements/dev.txt
+	uv pip compile pyproject.toml --extra build --extra dask --extra postgres --extra dev -c requirements/run.txt --universal --python-version 3.11 --generate-hashes --no-annotate --no-header -q -o requirements/dev.txt
 
 clean:
 	rm -rf $(VENV)
