@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,13 @@ from models.hydrodynamic_law import HydrodynamicLaw
 from models.kernel import params, spatial_layout
 from models.kernel.params import BODY, PART, Params
 from models.limits import DEFAULT_LIMITS, Limits
-from models.mass_properties import component_center_of_mass, initial_extensions, mass_balance, point_inertia
+from models.mass_properties import (
+    MassBalance,
+    component_center_of_mass,
+    initial_extensions,
+    mass_balance,
+    point_inertia,
+)
 from models.problems import Problem
 from models.schedule import Schedule
 from models.volumes import core_volume, grows_along_axis, unit_axis, volume_law
@@ -45,7 +52,11 @@ class Assembly:
     initial_state: Array
     cells: tuple[str, ...]
     law: HydrodynamicLaw | None
-    warnings: tuple[Problem, ...]
+
+    @cached_property
+    def warnings(self) -> tuple[Problem, ...]:
+        """What may surprise; found when it is asked for, since batches of thousands never do."""
+        return tuple(warnings_for(self.design))
 
 
 def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
@@ -64,7 +75,8 @@ def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
     commands = [_command_rows(_schedule_of(design, part.name), extensions[part.name]) for part in parts]
     curve = law or NO_LAW
     lookup, lookup_scale = _lookup(curve.breaks)
-    body = _body(design, lookup_scale)
+    balance = mass_balance(design.vehicle)
+    body = _body(design, lookup_scale, balance)
     records = Params(
         body=body,
         parts=_parts(design, parts, laws, commands),
@@ -73,25 +85,23 @@ def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
         table=_table(curve),
         lookup=lookup,
         error_scale=_error_scale(design, parts, float(body["mass"][0])),
-        **spatial_records(design, parts),
+        **spatial_records(design, parts, balance),
         **control_records(design),
     )
     state = _initial_state(design, [extensions[part.name] for part in parts])
-    warnings = tuple(warnings_for(design))
-    return Assembly(design, records, state, tuple(part.name for part in parts), law, warnings)
+    return Assembly(design, records, state, tuple(part.name for part in parts), law)
 
 
 def _stack(rows: list[Array], columns: int) -> Array:
     return np.ascontiguousarray(np.concatenate(rows)) if rows else np.zeros((0, columns))
 
 
-def _body(design: Design, lookup_scale: float) -> NDArray[np.void]:
+def _body(design: Design, lookup_scale: float, balance: MassBalance) -> NDArray[np.void]:
     vehicle, environment = design.vehicle, design.mission.environment
     density = surface_density(environment.water)
     moving = set() if isinstance(vehicle.mass_properties, DeclaredMass) else _sliding(design)
     still = [c for c in vehicle.components if c.name not in moving]
     if isinstance(vehicle.mass_properties, DeclaredMass):
-        balance = mass_balance(vehicle)
         moment, inertia = balance.mass * balance.center_of_mass, balance.inertia_about_origin
     else:
         centers = [component_center_of_mass(c, 0.0) for c in still]
@@ -108,7 +118,7 @@ def _body(design: Design, lookup_scale: float) -> NDArray[np.void]:
         "gravity": gravity_of(environment),
         "density": density,
         "bed_depth": math.inf if environment.bed_depth is None else environment.bed_depth,
-        "mass": mass_balance(vehicle).mass,
+        "mass": balance.mass,
         "mass_x": moment[0],
         "mass_z": moment[2],
         "inertia_yy": inertia[1, 1],

@@ -17,7 +17,7 @@ from models.hydrodynamics_angles import AngleTable
 from models.hydrodynamics_coefficients import CoefficientForm
 from models.kernel import params, spatial_layout
 from models.kernel.spatial_layout import COEFFICIENT_NAMES, LATERAL_NAMES, MEMBER, SPACE
-from models.mass_properties import component_center_of_mass, inertia_matrix, mass_balance, point_inertia, rotation_about
+from models.mass_properties import MassBalance, component_center_of_mass, inertia_matrix, point_inertia, rotation_about
 from models.volumes import unit_axis, volume
 from models.water import current_table, gravity_of, water_table
 
@@ -32,17 +32,24 @@ ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Order in which the kernel keeps a symmetric 3x3 matrix."""
 
 
-def spatial_records(design: Design, parts: list[Actuated]) -> dict[str, Any]:
-    """Return the fields of `Params` beyond those of the planar model."""
+def spatial_records(design: Design, parts: list[Actuated], balance: MassBalance) -> dict[str, Any]:
+    """Return the fields of `Params` beyond those of the planar model; `balance` is the vehicle's at neutral."""
     spatial = design.mission.solver.model == "spatial"
-    water, current = _water_and_current(design)
+    emerging = emerging_depth(design)
+    environment = design.mission.environment
+    water = water_table(environment.water, gravity_of(environment), mixed=emerging)
+    current = current_table(environment.current)
+    added = added_mass(design)
     angles, source = _source_arrays(design)
     return {
-        "space": _space(design, parts, water.top, water.spacing, current.levels),
+        "space": _space(
+            design, balance, emerging=emerging, heave_added=float(added[2, 2]), top=water.top,
+            spacing=water.spacing, levels=current.levels,
+        ),
         "members": _members(design, parts if spatial else []),
         "inertias": _inertias(design, parts if spatial else []),
         "solids": _solids(design) if spatial else np.zeros((0, len(spatial_layout.SOLID_COLUMNS))),
-        "added": added_mass(design),
+        "added": added,
         "damping": damping_matrix(design),
         "rates": _rates(design),
         "coefficients": source,
@@ -50,7 +57,7 @@ def spatial_records(design: Design, parts: list[Actuated]) -> dict[str, Any]:
         "water": water.rows,
         "current": current.rows,
         "current_times": current.times,
-    }
+    }  # fmt: skip
 
 
 def fading_height(component: Any) -> float:
@@ -74,19 +81,14 @@ def emerging_depth(design: Design) -> float:
     return max((0.5 * fading_height(c) for c in floats), default=0.0)
 
 
-def _water_and_current(design: Design) -> tuple[Any, Any]:
-    environment = design.mission.environment
-    mixed = emerging_depth(design)
-    return water_table(environment.water, gravity_of(environment), mixed=mixed), current_table(environment.current)
-
-
-def _space(design: Design, parts: list[Actuated], top: float, spacing: float, levels: int) -> NDArray[np.void]:
+def _space(
+    design: Design, balance: MassBalance, *,
+    emerging: float, heave_added: float, top: float, spacing: float, levels: int,
+) -> NDArray[np.void]:  # fmt: skip
     environment, source = design.mission.environment, design.vehicle.hydrodynamics
     spatial = design.mission.solver.model == "spatial"
     layout: Any = spatial_layout if spatial else params
-    emerging = emerging_depth(design)
-    mass = mass_balance(design.vehicle).mass
-    heave = mass + added_mass(design)[2, 2]
+    heave = balance.mass + heave_added
     values = {
         "gravity": gravity_of(environment),
         "surface_level": emerging,
@@ -101,17 +103,16 @@ def _space(design: Design, parts: list[Actuated], top: float, spacing: float, le
         "levels": levels,
     }  # fmt: skip
     values |= dict(zip(("reference_x", "reference_y", "reference_z"), source.reference_point, strict=True))
-    values |= _still_mass(design) | _source_switches(source)
+    values |= _still_mass(design, balance) | _source_switches(source)
     space = np.zeros(1, dtype=SPACE)
     for name, value in values.items():
         space[name] = value
     return space
 
 
-def _still_mass(design: Design) -> dict[str, float]:
+def _still_mass(design: Design, balance: MassBalance) -> dict[str, float]:
     """Return mass, first moment and inertia about the origin of all that does not move."""
     vehicle = design.vehicle
-    balance = mass_balance(vehicle)
     moment, inertia = balance.mass * balance.center_of_mass, balance.inertia_about_origin
     if not isinstance(vehicle.mass_properties, DeclaredMass):
         moment, inertia = np.zeros(3), np.zeros((3, 3))
