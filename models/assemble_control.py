@@ -168,11 +168,12 @@ def _loops(controller: Cascade) -> dict[str, float]:
     pitch = controller.pitch
     held = pitch.dive is not None
     dive = pitch.dive if pitch.dive is not None else math.nan
-    climb, moment = -dive if pitch.climb is None else pitch.climb, pitch.climb_moment
+    climb = -dive if pitch.climb is None else pitch.climb
+    moment = 0.0 if pitch.climb_moment is None else pitch.climb_moment
     if isinstance(controller.vertical, HoldHeave):
         # what is said of dives holds all the time, unless climbs have their own
         climb = dive if pitch.climb is None else pitch.climb
-        moment = pitch.climb_moment if "climb_moment" in pitch.model_fields_set else pitch.dive_moment
+        moment = pitch.dive_moment if pitch.climb_moment is None else pitch.climb_moment
     return {
         # within a sample no more can be given back than there is
         "kind": layout.CASCADE, "unwind": 1.0 / max(controller.unwind_time, controller.sample_time),

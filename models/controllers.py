@@ -132,9 +132,9 @@ class Pitch(Description):
         "Moment on dives (and all the time, without a depth band), to which the loop adds.",
         unit="N m", symbol="M_dive", ge=-LARGEST_FORCE, le=LARGEST_FORCE, default=0.0,
     )  # fmt: skip
-    climb_moment: float = quantity(
-        "Moment on climbs, to which the loop adds.",
-        unit="N m", symbol="M_climb", ge=-LARGEST_FORCE, le=LARGEST_FORCE, default=0.0,
+    climb_moment: float | None = quantity(
+        "Moment on climbs, to which the loop adds; if not given none within a depth band, else that on dives.",
+        unit="N m", symbol="M_climb", ge=-LARGEST_FORCE, le=LARGEST_FORCE, default=None,
     )  # fmt: skip
     loop: Loop = text("Gains from the error of pitch to a moment.", default=Loop())
 

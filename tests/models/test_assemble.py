@@ -7,7 +7,7 @@ from hypothesis import given
 from models.allocation import allocate, effectiveness
 from models.assemble import assemble
 from models.controllers import MEASURED
-from models.design import parse_design
+from models.design import loads_design, parse_design
 from models.glider_fleet import Fleet
 from models.kernel import allocate as kernel_allocate
 from models.kernel import control_layout as layout
@@ -243,3 +243,16 @@ def test_several_problems_are_told_at_once():
         "/mission/control/schedules/0/points/0/extension", "/mission/initial/position/2", "/mission/initial/roll",
         "/vehicle/hydrodynamics/row_drag",
     }  # fmt: skip
+
+
+def test_a_saved_controller_flies_as_the_one_that_was_not():
+    """What a document leaves out and what its file then holds mean the same: here the moment on climbs."""
+    document = load_preset("quad-bellows-heading").model_dump(mode="json")
+    controller = document["mission"]["control"]["controller"]
+    controller["vertical"] = {"kind": "heave", "heave": -1.0}
+    controller["pitch"] = {"dive_moment": -0.4}
+    design = parse_design(document)
+    saved = loads_design(design.to_json())
+    for made in (design, saved):
+        record = assemble(made).params.control[0]
+        assert (record["dive_moment"], record["climb_moment"]) == (-0.4, -0.4)
