@@ -60,13 +60,13 @@ def energy_bill(run: Run) -> EnergyBill | None:
         return None
     ways = np.hypot(np.diff(run.values["x"]), np.diff(run.values["y"]))
     way = np.concatenate([[0.0], np.cumsum(ways)])
-    marks = _dive_marks(run.values["z"])
+    marks = dive_marks(run.values["z"])
     dives = tuple(_spent(run, way, a, b) for a, b in pairwise(marks))
     return EnergyBill(_spent(run, way, 0, len(run.times) - 1), dives)
 
 
-def _dive_marks(z: NDArray[np.float64]) -> list[int]:
-    """Return the samples between which the dives lie: the ends of the run, and where it is shallow in between."""
+def dive_marks(z: NDArray[np.float64]) -> list[int]:
+    """Return the samples between which the dives lie: the ends of depths z (samples,), and shallow ones."""
     from scipy.signal import find_peaks  # loading it takes most of a second, which a start need not wait for
 
     reach = float(np.ptp(z))

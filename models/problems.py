@@ -69,13 +69,16 @@ def echo(value: Any) -> str:
 def _path(location: Sequence[int | str], document: Any) -> list[int | str]:
     """Drop the tags that pydantic adds for unions, by walking the document alongside."""
     path: list[int | str] = []
-    node = document
+    node, tagged = document, False
     for k, token in enumerate(location):
         last = k == len(location) - 1
         if isinstance(node, dict) and token in node:
-            node = node[token]
+            if token == node.get("kind") and not tagged:
+                tagged = True  # a tag that is also the name of a field comes before it
+                continue
+            node, tagged = node[token], False
         elif isinstance(node, list | tuple) and isinstance(token, int) and token < len(node):
-            node = node[token]
+            node, tagged = node[token], False
         elif last and isinstance(node, list | tuple) and isinstance(token, int):
             pass  # the entry that is missing
         elif not (last and isinstance(node, dict)) or token in (node.get("kind"), "[key]"):

@@ -56,6 +56,11 @@ def warm_analyses() -> None:
             _analyses_ready.set()
 
 
+def warm_batch() -> None:
+    """Compile what simulates many designs at once; returns once it is in the cache."""
+    warm_kernel()
+
+
 def warm_kernel_in_background() -> threading.Thread:
     """Start `warm_analyses`, and so `warm_kernel`, in a thread of its own and return that."""
     thread = threading.Thread(target=warm_analyses, name="kernel-warm-up", daemon=True)
