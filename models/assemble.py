@@ -28,6 +28,7 @@ from models.mass_properties import (
     mass_balance,
     point_inertia,
 )
+from models.memory import remembered
 from models.problems import Problem
 from models.schedule import Schedule
 from models.volumes import core_volume, grows_along_axis, unit_axis, volume_law
@@ -74,7 +75,7 @@ def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
     laws = [volume_law(part) for part in parts]
     commands = [_command_rows(_schedule_of(design, part.name), extensions[part.name]) for part in parts]
     curve = law or NO_LAW
-    lookup, lookup_scale = _lookup(curve.breaks)
+    table, lookup, lookup_scale = _law_records(curve)
     balance = mass_balance(design.vehicle)
     body = _body(design, lookup_scale, balance)
     records = Params(
@@ -82,7 +83,7 @@ def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
         parts=_parts(design, parts, laws, commands),
         volume_law=_stack(laws, 5),
         commands=_stack(commands, 3),
-        table=_table(curve),
+        table=table,
         lookup=lookup,
         error_scale=_error_scale(design, parts, float(body["mass"][0])),
         **spatial_records(design, parts, balance),
@@ -180,6 +181,12 @@ def _command_rows(schedule: Schedule | None, initial: float) -> Array:
         else:
             rows[-1] = row
     return np.array(rows)
+
+
+@remembered(most=100)
+def _law_records(law: HydrodynamicLaw) -> tuple[Array, NDArray[np.int64], float]:
+    """Return table, lookup and its scale; designs with one law share them."""
+    return _table(law), *_lookup(law.breaks)
 
 
 def _table(law: HydrodynamicLaw) -> Array:

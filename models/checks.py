@@ -14,10 +14,11 @@ from models.components import Actuated, extension_unit
 from models.design import Design
 from models.hydrodynamic_law import HydrodynamicLaw, law_of
 from models.hydrodynamic_sources import Hydrodynamics
-from models.hydrodynamics import PolarTable
+from models.hydrodynamics import AddedMass, PolarTable
 from models.hydrodynamics_angles import AngleTable
 from models.limits import Limits
 from models.mass_properties import MassBalance, initial_extensions, mass_balance, smallest_moment
+from models.memory import remembered
 from models.model_checks import model_problems
 from models.problems import DesignError, Problem, pointer_to
 from models.water import gravity_of, water_table
@@ -178,7 +179,7 @@ def _initial_problems(design: Design) -> Iterator[Problem]:
 
 def _mass_problems(design: Design) -> Iterator[Problem]:
     vehicle = design.vehicle
-    problems = list(_added_mass_problems(design))
+    problems = () if vehicle.added_mass is None else _added_mass_problems(vehicle.added_mass)
     yield from problems
     yield from _component_inertia_problems(design)
     balance = mass_balance(vehicle, initial_extensions(design))
@@ -233,10 +234,12 @@ def turning_inertia(balance: MassBalance, A: NDArray[np.float64]) -> NDArray[np.
     return np.asarray(M[3:, 3:] - M[3:, :3] @ np.linalg.solve(M[:3, :3], M[:3, 3:]), dtype=np.float64)
 
 
-def _added_mass_problems(design: Design) -> Iterator[Problem]:
-    added = design.vehicle.added_mass
-    if added is None:
-        return
+@remembered(most=100)
+def _added_mass_problems(added: AddedMass) -> tuple[Problem, ...]:
+    return tuple(_matrix_problems(added))
+
+
+def _matrix_problems(added: AddedMass) -> Iterator[Problem]:
     pointer = "/vehicle/added_mass/matrix"
     A = np.array(added.matrix)
     size = float(np.abs(A).max())

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from models.components import Component, Inertia, MovableMass, Rigid, RollingMass
 from models.design import DeclaredMass, Design, Vehicle, parse_design
+from models.memory import remembered
 from models.problems import DesignError, Problem, pointer_to
 from models.volumes import core_volume, grows_along_axis, unit_axis, volume
 from models.water import surface_density
@@ -68,6 +69,7 @@ def inertia_matrix(inertia: Inertia) -> Array:
     )
 
 
+@remembered(most=5_000)
 def smallest_moment(inertia: Inertia) -> float:
     """Return the smallest principal moment, kg m2; 0 where only rounding makes it negative."""
     matrix = inertia_matrix(inertia)
@@ -122,6 +124,25 @@ def _stack_moment(component: Component, extension: float) -> Array:
     return np.asarray(0.5 * (extension - component.neutral) * stack * unit_axis(component), dtype=np.float64)
 
 
+@dataclass(frozen=True, slots=True)
+class _Share:
+    """What one component adds: volume and its first moment, mass moment, inertia about the origin."""
+
+    volume: float
+    volume_moment: Array
+    mass_moment: Array
+    inertia: Array
+
+
+@remembered(most=20_000)
+def _share_of(component: Component, extension: float) -> _Share:
+    r = component_center_of_mass(component, extension)
+    return _Share(
+        volume(component, extension), component_volume_moment(component, extension), component.mass * r,
+        component_inertia(component, extension) + component.mass * point_inertia(r),
+    )  # fmt: skip
+
+
 def mass_balance(vehicle: Vehicle, extensions: Mapping[str, float] | None = None) -> MassBalance:
     """Compose the components at the given extensions (m, by name; neutral where not named).
 
@@ -129,24 +150,30 @@ def mass_balance(vehicle: Vehicle, extensions: Mapping[str, float] | None = None
     Declared mass properties replace the first three.
     """
     given = extensions or {}
-    e = {c.name: given.get(c.name, c.neutral) for _, c in vehicle.actuated}
+    return _balance(
+        vehicle, tuple(0.0 if isinstance(c, Rigid) else given.get(c.name, c.neutral) for c in vehicle.components)
+    )
+
+
+@remembered(most=16)
+def _balance(vehicle: Vehicle, extensions: tuple[float, ...]) -> MassBalance:
     total_volume, volume_moment = 0.0, np.zeros(3)
     mass, mass_moment, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
-    for component in vehicle.components:
-        extension = e.get(component.name, 0.0)
-        V = volume(component, extension)
-        total_volume += V
-        volume_moment += component_volume_moment(component, extension)
-        r = component_center_of_mass(component, extension)
+    for component, extension in zip(vehicle.components, extensions, strict=True):
+        share = _share_of(component, extension)
+        total_volume += share.volume
+        volume_moment += share.volume_moment
         mass += component.mass
-        mass_moment += component.mass * r
-        inertia += component_inertia(component, extension) + component.mass * point_inertia(r)
+        mass_moment += share.mass_moment
+        inertia += share.inertia
     center = mass_moment / mass if mass > 0.0 else np.zeros(3)
     inertia = inertia - mass * point_inertia(center)
     declared = vehicle.mass_properties
     if isinstance(declared, DeclaredMass):
         mass, center, inertia = declared.mass, np.array(declared.center_of_mass), inertia_matrix(declared.inertia)
     buoyancy_center = volume_moment / total_volume if total_volume > 0.0 else np.zeros(3)
+    for array in (center, inertia, buoyancy_center):
+        array.flags.writeable = False  # many share it
     return MassBalance(mass, center, inertia, total_volume, buoyancy_center)
 
 

@@ -29,6 +29,7 @@ from models.environment import (
     UniformWater,
     Water,
 )
+from models.memory import remembered
 from models.problems import DesignError, Problem
 
 Array = NDArray[np.float64]
@@ -123,6 +124,7 @@ def density_at(water: Water, depth: float | Array, *, mixed: float = 0.0) -> flo
     return density if isinstance(depth, np.ndarray) else float(density)
 
 
+@remembered(most=100)
 def surface_density(water: Water) -> float:
     """Return the density at z = 0, kg/m3."""
     return density_at(water, 0.0)

@@ -1,0 +1,46 @@
+"""Owns remembering what follows from a description: descriptions never change, so an answer found once stays true.
+
+Designs that vary in a few fields share all other objects (variation.py), which makes thousands of cases cheap to weigh
+and check. Answers are kept by the object itself, not by its value, which for a table of forces takes long to hash.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from functools import wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar
+
+AboutT = TypeVar("AboutT")
+AnswerT = TypeVar("AnswerT")
+More = ParamSpec("More")
+
+
+def remembered(
+    *, most: int
+) -> Callable[[Callable[Concatenate[AboutT, More], AnswerT]], Callable[Concatenate[AboutT, More], AnswerT]]:
+    """Return a decorator for a pure function of a description and further hashable values.
+
+    Up to `most` answers are kept, and with them the descriptions they are about; callers share an answer and must not
+    change it.
+    """
+
+    def decorate(
+        function: Callable[Concatenate[AboutT, More], AnswerT],
+    ) -> Callable[Concatenate[AboutT, More], AnswerT]:
+        known: dict[tuple[Hashable, ...], tuple[AboutT, AnswerT]] = {}
+
+        @wraps(function)
+        def answer(about: AboutT, *more: Any, **no: Any) -> AnswerT:
+            key = (id(about), *more)
+            held = known.get(key)
+            if held is not None:  # it holds the description, so no other can have its id
+                return held[1]
+            found = function(about, *more)  # type: ignore[call-arg]
+            if len(known) >= most:
+                known.clear()
+            known[key] = (about, found)
+            return found
+
+        return answer  # type: ignore[return-value]
+
+    return decorate
