@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Iterable, Mapping
 from http import HTTPStatus
 from typing import Any
@@ -15,12 +16,19 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from models.problems import DesignError, Problem, echo, pointer_to
+from server.quotas import QuotaError
+from server.store.errors import CursorError, DeletedError, NotFoundError, RevisionError, StoreError, UnavailableError
+from server.store.jobs import JobStateError, KeyReusedError
 
 PROBLEM_JSON = "application/problem+json"
 MOST_ERRORS = 100
 TITLES = {413: "Content Too Large"}
 """Names that newer versions of Python changed."""
 NOT_DESIGN = "The document cannot be used as it is"
+STORE_STATUS: dict[type[StoreError], int] = {
+    NotFoundError: 404, DeletedError: 410, RevisionError: 412, CursorError: 422, UnavailableError: 503,
+    JobStateError: 409, KeyReusedError: 422,
+}  # fmt: skip
 _log = logging.getLogger(__name__)
 
 
@@ -56,17 +64,53 @@ def design_problem(error: DesignError) -> Response:
     return problem_response(422, NOT_DESIGN, detail=detail, errors=error.problems)
 
 
+def quota_problem(error: QuotaError) -> Response:
+    """Return the answer to one who has used a quota up: 429 and when to come again, or 413 where nothing would help."""
+    problem = Problem("", error.message, error.bound, f"the limit is GLIDER_STUDIO_{error.limit.upper()} of the server")
+    if error.retry_after is None:
+        return problem_response(413, "Content Too Large", detail=error.message, errors=[problem])
+    headers = {"Retry-After": str(max(1, math.ceil(error.retry_after)))}
+    return problem_response(429, "Too Many Requests", detail=error.message, errors=[problem], headers=headers)
+
+
+def store_problem(error: StoreError) -> Response:
+    """Return the answer to what the store cannot do."""
+    status = STORE_STATUS[type(error)]
+    headers: dict[str, str] = {}
+    if isinstance(error, RevisionError):
+        headers["ETag"] = f'"{error.current}"'
+    if isinstance(error, UnavailableError):
+        headers["Retry-After"] = "5"
+    where = {CursorError: "query parameter 'cursor'", KeyReusedError: "header parameter 'Idempotency-Key'"}.get(
+        type(error)
+    )
+    errors = [Problem("", f"{where}: {error}")] if where is not None else []
+    return problem_response(status, HTTPStatus(status).phrase, detail=str(error), errors=errors, headers=headers)
+
+
 def install_error_handlers(app: FastAPI) -> None:
     """Make every error of `app` a problem document."""
     app.add_exception_handler(DesignError, _on_design_error)
     app.add_exception_handler(RequestValidationError, _on_invalid_request)
     app.add_exception_handler(HTTPException, _on_http_error)
-    app.add_exception_handler(Exception, _on_crash)
+    app.add_exception_handler(QuotaError, _on_quota_error)
+    app.add_exception_handler(StoreError, _on_store_error)
+    app.add_exception_handler(Exception, on_crash)
 
 
 async def _on_design_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, DesignError)
     return design_problem(error)
+
+
+async def _on_quota_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, QuotaError)
+    return quota_problem(error)
+
+
+async def _on_store_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, StoreError)
+    return store_problem(error)
 
 
 async def _on_invalid_request(request: Request, error: Exception) -> Response:
@@ -104,7 +148,8 @@ def _methods_at(request: Request) -> list[str]:
     ]
 
 
-async def _on_crash(request: Request, error: Exception) -> Response:
+async def on_crash(request: Request, error: Exception) -> Response:
+    """Return the answer to a fault of the program, which the log tells and the answer does not."""
     _log.error("%s %s failed", request.method, request.url.path, exc_info=error)
     detail = "this is a fault of the program; its log says more"
     return problem_response(500, "The server failed", detail=detail)

@@ -22,6 +22,11 @@ class Runner:
         self._limiter = anyio.CapacityLimiter(max(2, os.cpu_count() or 1))
         self._controls: set[Control] = set()
 
+    @property
+    def under_way(self) -> int:
+        """How many runs compute, or wait for a processor."""
+        return len(self._controls)
+
     def cancel_all(self) -> None:
         """Stop every run that is under way."""
         for control in tuple(self._controls):

@@ -52,6 +52,13 @@ class Health(Wire):
     version: str = Field(description="Version of the program.")
 
 
+class Ready(Wire):
+    """That every part that is needed can be reached."""
+
+    status: Literal["ready"] = Field(description="Every check passed.")
+    checks: dict[str, Literal["ok"]] = Field(description="The checks, by name.")
+
+
 class PresetItem(Wire):
     """One preset in the list."""
 

@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 import ipaddress
+import re
 from pathlib import Path
-from typing import Self
+from typing import Annotated, Any, Literal, Self
+from urllib.parse import urlsplit
 
 from platformdirs import user_data_dir
-from pydantic import Field, SecretStr, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import BeforeValidator, Field, SecretStr, model_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from models.limits import DEFAULT_LIMITS, Limits
+from server.quotas import QuotaLimits
+from server.tokens import NamedToken, read_tokens
 
-LEAST_TOKEN = 16
+HOST_NAME = re.compile(r"[A-Za-z0-9.-]{1,253}|\[?[0-9A-Fa-f:.]+\]?")
+
+
+def _listed(value: Any) -> Any:
+    return tuple(item.strip() for item in value.split(",") if item.strip()) if isinstance(value, str) else value
+
+
+Listed = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_listed)]
+"""Several words, separated by commas in an environment variable."""
 
 
 def is_loopback(host: str) -> bool:
@@ -36,7 +48,34 @@ class Settings(BaseSettings):
     host: str = Field(default="127.0.0.1", min_length=1, description="Address to listen on.")
     port: int = Field(default=8000, ge=0, le=65_535, description="Port to listen on; 0 takes a free one.")
     data: Path = Field(default=Path(user_data_dir("glider-studio")), description="Folder for the program's data.")
-    token: SecretStr | None = Field(default=None, description="Demanded of every request from another machine.")
+    database_url: str | None = Field(
+        default=None, repr=False, pattern=r"^(sqlite:///.|postgres(ql)?(\+psycopg)?://.)",
+        description="sqlite:///FILE or postgresql://USER:PASSWORD@HOST/NAME; a file in the data folder if not given.",
+    )  # fmt: skip
+    scheduler: str | None = Field(
+        default=None, pattern=r"^(tcp|tls|ws|wss)://.",
+        description="Address of a Dask scheduler that computes jobs, as tcp://host:8786; a pool of processes if not given.",
+    )  # fmt: skip
+    workers: int | None = Field(
+        default=None, ge=1, le=1024, description="Processes of the pool; one a core if not given."
+    )
+    max_cases: int = Field(default=10_000_000, ge=1, le=2**31 - 1, description="Most cases of a job.")
+    min_free_mib: int = Field(default=256, ge=0, description="Jobs pause while less is free where results go, MiB.")
+    token: SecretStr | None = Field(
+        default=None, description="Demanded of every request to the API; several as name:token, separated by commas."
+    )
+    allowed_hosts: Listed = Field(default=(), description="Names under which a proxy serves the program.")
+    cors_origins: Listed = Field(default=(), description="Other sites whose scripts may use the API.")
+    metrics_open: bool = Field(default=False, description="Whether /metrics is answered without a token.")
+    log_format: Literal["text", "json"] = Field(default="text", description="How log lines are written.")
+    log_level: Literal["debug", "info", "warning", "error"] = Field(default="info", description="Least level logged.")
+
+    quota_requests_per_second: float = Field(default=50.0, ge=0.0, description="Requests of a token; 0: any number.")
+    quota_burst: int = Field(default=200, ge=1, description="Requests of a token at once, after a rest.")
+    quota_running_jobs: int = Field(default=4, ge=0, description="Unfinished jobs of a token; 0: any number.")
+    quota_jobs_per_day: int = Field(default=1000, ge=0, description="Jobs of a token in a day; 0: any number.")
+    quota_cases_per_day: int = Field(default=10_000_000, ge=0, description="Cases of a token in a day; 0: any number.")
+    quota_body_bytes_per_day: int = Field(default=10 * 2**30, ge=0, description="Bytes a token sends in a day; 0: any.")
 
     max_body_bytes: int = Field(default=4 * 2**20, ge=1024, description="Largest body of a request.")
     max_body_values: int = Field(default=250_000, ge=1000, description="Most values in one JSON body.")
@@ -52,22 +91,51 @@ class Settings(BaseSettings):
 
     @model_validator(mode="after")
     def _other_machines_need_a_token(self) -> Self:
-        secret = "" if self.token is None else self.token.get_secret_value()
-        if self.demands_token and not secret:
+        tokens = self.tokens  # read here, so that a weak one is told at the start wherever the program listens
+        if not tokens and not is_loopback(self.host):
             raise ValueError(
                 f"GLIDER_STUDIO_HOST={self.host} lets other machines in, which needs a token: "
                 "set GLIDER_STUDIO_TOKEN, or listen on 127.0.0.1"
             )
-        if secret and (len(secret) < LEAST_TOKEN or not secret.isascii() or not secret.isprintable() or " " in secret):
-            raise ValueError(
-                f"GLIDER_STUDIO_TOKEN must be at least {LEAST_TOKEN} printable ASCII characters without spaces"
-            )
+        return self
+
+    @model_validator(mode="after")
+    def _names_and_origins_are_such(self) -> Self:
+        for name in self.allowed_hosts:
+            if HOST_NAME.fullmatch(name) is None:
+                raise ValueError(
+                    f"GLIDER_STUDIO_ALLOWED_HOSTS: '{name}' is no host name; give it without scheme and port"
+                )
+        for origin in self.cors_origins:
+            parts = urlsplit(origin)
+            if parts.scheme not in ("http", "https") or origin != f"{parts.scheme}://{parts.netloc}" or "*" in origin:
+                raise ValueError(
+                    f"GLIDER_STUDIO_CORS_ORIGINS: '{origin}' is no origin; write each as https://name or https://name:port"
+                )
         return self
 
     @property
+    def tokens(self) -> tuple[NamedToken, ...]:
+        """The tokens that open the API."""
+        text = self.token.get_secret_value() if self.token is not None else ""
+        return read_tokens(text) if text else ()
+
+    @property
     def demands_token(self) -> bool:
-        """Whether requests to the API must carry the token: on any address but loopback."""
-        return not is_loopback(self.host)
+        """Whether requests to the API must carry a token: wherever one is set, and so on any address but loopback."""
+        return bool(self.tokens)
+
+    @property
+    def quotas(self) -> QuotaLimits:
+        """What each token may use."""
+        return QuotaLimits(
+            requests_per_second=self.quota_requests_per_second,
+            burst=self.quota_burst,
+            running_jobs=self.quota_running_jobs,
+            jobs_per_day=self.quota_jobs_per_day,
+            cases_per_day=self.quota_cases_per_day,
+            body_bytes_per_day=self.quota_body_bytes_per_day,
+        )
 
     @property
     def limits(self) -> Limits:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Annotated
-from urllib.parse import urlsplit
 
 from fastapi import Depends, HTTPException, Request
 from starlette.requests import HTTPConnection
 from starlette.responses import Response
 
-from server.access import brings_token
-from server.settings import Settings, is_loopback
+from server.access import KnownTokens, is_same_origin
+from server.settings import Settings
 from studio.registry import OpenSession, Sessions
 
 PAGE_HEADERS = {
@@ -58,34 +57,9 @@ def set_session_cookie(response: Response, session_id: str, secret: str, *, secu
     )  # fmt: skip
 
 
-def is_same_origin(connection: HTTPConnection, *, required: bool) -> bool:
-    """Whether a request comes from our own pages: its Origin is its Host.
-
-    Browsers send Origin with every POST and websocket; scripts send none, and may only where it is not `required`.
-    """
-    origin = connection.headers.get("origin")
-    if origin is None:
-        return not required and connection.headers.get("sec-fetch-site", "none") in ("none", "same-origin")
-    host = connection.headers.get("host", "")
-    return host != "" and urlsplit(origin).netloc == host
-
-
-def is_known_host(connection: HTTPConnection, *, bound_to: str) -> bool:
-    """Whether the Host is one of ours: a server on loopback is never addressed by a foreign name (DNS rebinding)."""
-    if not is_loopback(bound_to):
-        return True
-    try:
-        name = urlsplit(f"//{connection.headers.get('host', '')}").hostname or ""
-    except ValueError:
-        return False
-    return is_loopback(name)
-
-
 def has_token(connection: HTTPConnection, settings: Settings) -> bool:
-    """Whether a request may open sessions: on any address but loopback only with the server's token."""
-    if not settings.demands_token or settings.token is None:
-        return True
-    return brings_token(connection, settings.token.get_secret_value())
+    """Whether a request may open sessions: where the server has tokens, only with one."""
+    return not settings.demands_token or KnownTokens(settings.tokens).name_of(connection) is not None
 
 
 def find_session(sessions: Sessions, connection: HTTPConnection, session_id: str) -> OpenSession | None:

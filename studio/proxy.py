@@ -16,8 +16,9 @@ from starlette.websockets import WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
+from server.access import is_same_origin
 from studio import guard
-from studio.access import Admitted, find_session, is_same_origin, open_sessions, viewer_headers
+from studio.access import Admitted, find_session, open_sessions, viewer_headers
 from studio.registry import OpenSession
 
 log = logging.getLogger(__name__)

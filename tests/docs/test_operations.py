@@ -1,0 +1,42 @@
+"""docs/operations.md lists every setting, and names only settings, figures and addresses that exist."""
+
+from __future__ import annotations
+
+import re
+
+from docs.make_operations import PAGE, page, settings_table
+from server.settings import Settings
+from server.telemetry import Telemetry
+from tests.server.support import ask
+
+TEXT = PAGE.read_text(encoding="utf-8")
+NAMES = {f"GLIDER_STUDIO_{name.upper()}" for name in Settings.model_fields}
+
+
+def test_the_table_is_what_its_generator_writes():
+    assert page() == TEXT, "the table of settings is stale: run `python -m docs.make_operations`"
+
+
+def test_every_setting_says_what_it_is():
+    rows = re.findall(r"^\| `(\w+)` \| (.*) \| (.+) \|$", settings_table(), re.M)
+    assert {name for name, _, _ in rows} == NAMES
+    assert all(words.endswith(".") for _, _, words in rows)
+
+
+def test_the_page_names_only_settings_that_exist():
+    assert set(re.findall(r"GLIDER_STUDIO_[A-Z_]+", TEXT)) == NAMES
+
+
+def test_the_page_names_only_figures_that_exist():
+    telemetry = Telemetry()
+    telemetry.watch("simulations_running", "Previews.", lambda: 0.0)
+    telemetry.observe("GET", "/x", status=200, seconds=0.1)
+    told = set(re.findall(r"glider_studio_[a-z_]+", TEXT))
+    assert told
+    for name in told:
+        assert f"# TYPE {name} ".encode() in telemetry.exposition("")[0], name
+
+
+def test_the_addresses_are_answered():
+    for path in re.findall(r"^\| `(/\w+)` \|", TEXT, re.M):
+        assert ask("GET", path).status_code == 200, path
