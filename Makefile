@@ -3,12 +3,12 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: studio test setup setup-dev lint unit browser-tests chromium warm bench docs presets lock clean
+.PHONY: studio test setup setup-dev lint unit browser-tests chromium postgres warm bench docs presets lock clean
 
 studio: setup
 	@$(BIN)/glider-studio serve
 
-test: setup-dev chromium lint unit
+test: setup-dev chromium postgres lint unit
 
 setup: $(VENV)/run.stamp
 setup-dev: $(VENV)/dev.stamp
@@ -44,6 +44,13 @@ chromium:
 	  && apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium fonts-dejavu-core; } \
 	  || echo "chromium is missing and cannot be installed here: the browser tests will fail"
 
+# Debian's PostgreSQL, of which the tests of the store start one of their own; they do not use one that runs already.
+postgres:
+	@ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || command -v initdb >/dev/null \
+	  || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
+	  && apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends postgresql; } \
+	  || echo "PostgreSQL is missing and cannot be installed here: the tests of the store will fail"
+
 warm: setup
 	$(BIN)/python -c 'from models.warm import warm_analyses; warm_analyses()'
 
@@ -54,6 +61,7 @@ bench: setup-dev
 	$(BIN)/python -m benchmarks.linear
 	$(BIN)/python -m benchmarks.trim
 	$(BIN)/python -m benchmarks.latency
+	$(BIN)/python -m benchmarks.store
 	$(BIN)/python -m benchmarks.startup
 
 docs: setup-dev
