@@ -7,17 +7,21 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import httpx
+from fastapi import FastAPI
 
 from models.design import Design, parse_design
 from models.presets import load_preset
 from models.warm import warm_kernel
 from server.app import API, create_app
 from server.editing import apply_patch
+from server.examples.jobs import JOB_HEADERS, demo_jobs, job_requests
+from server.examples.stored import HEADERS, demo_store, stored_requests
 from server.live import LiveSession
 from server.settings import Settings
 
@@ -33,6 +37,7 @@ THIRD_CELL = {
     "position": [-0.1, 0.0, 0.01],
 }
 """A cell needs no more than this."""
+JSON = "application/json"
 TABLE_ANGLES = (0.0, 5.0, 10.0, 20.0, 45.0, 90.0)
 
 
@@ -58,6 +63,11 @@ def example_design() -> Design:
     for schedule in mission["control"]["schedules"]:
         schedule["points"] = [p for p in schedule["points"] if p["time"] <= mission["duration"]]
     return parse_design(document)
+
+
+def example_document() -> dict[str, Any]:
+    """Return that design as short as it can be written."""
+    return {"format": "glider-design", "version": 1} | example_design().model_dump(mode="json", exclude_defaults=True)
 
 
 class DemoSession:
@@ -87,13 +97,13 @@ class DemoSessions:
 
 def example_requests() -> dict[str, dict[str, Any]]:
     """Return, by operation, the method and path, the parameters and the body of a worked example."""
-    design = example_design().model_dump(mode="json", exclude_defaults=True)
-    design = {"format": "glider-design", "version": 1} | design
+    design = example_document()
     add = [{"op": "add", "path": "/vehicle/components/-", "value": THIRD_CELL}]
     first_cell = next(c.name for _, c in example_design().vehicle.actuated)
     options = {"max_points": 5, "columns": ["x", "z", "theta", "extension"]}
     requests: dict[str, dict[str, Any]] = {
         "get_health": {"at": ("GET", "/healthz")},
+        "get_readiness": {"at": ("GET", "/readyz")},
         "list_presets": {"at": ("GET", f"{API}/presets")},
         "get_preset": {"at": ("GET", f"{API}/presets/{{preset_id}}"), "parameters": {"preset_id": PRESET}},
         "get_design_schema": {"at": ("GET", f"{API}/schemas/design")},
@@ -115,7 +125,8 @@ def example_requests() -> dict[str, dict[str, Any]]:
             "request": {"design": design, "options": {"extensions": {first_cell: 0.02}}},
         },
     }  # fmt: skip
-    return requests | _analysis_requests(design, first_cell)
+    stored = stored_requests(API, design, THIRD_CELL) | job_requests(API, design)
+    return requests | _analysis_requests(design, first_cell) | stored
 
 
 def _analysis_requests(design: dict[str, Any], first_cell: str) -> dict[str, dict[str, Any]]:
@@ -144,6 +155,8 @@ def _analysis_requests(design: dict[str, Any], first_cell: str) -> dict[str, dic
 
 
 def _shortened(name: str, response: Any) -> Any:
+    if name == "get_batch_schema":
+        return {key: response[key] for key in ("$schema", "title", "discriminator")}
     if name == "get_design_schema":
         # the whole of it is what the operation answers; an example needs its beginning
         return {key: response[key] for key in ("$schema", "title", "type", "required")}
@@ -164,16 +177,34 @@ def _shortened(name: str, response: Any) -> Any:
 async def build() -> dict[str, Any]:
     """Ask every example and return all with what was answered."""
     await asyncio.to_thread(warm_kernel)
-    transport = httpx.ASGITransport(create_app(Settings(host="127.0.0.1"), live=DemoSessions()))
     examples = {}
-    async with httpx.AsyncClient(transport=transport, base_url="http://localhost") as client:
-        for name, example in example_requests().items():
-            method, path = example.pop("at")
-            url = path.format(**example.get("parameters", {}))
-            answer = await client.request(method, url, json=example.get("request"))
-            answer.raise_for_status()
-            examples[name] = example | {"response": _shortened(name, answer.json())}
+    for name, example in example_requests().items():
+        answer = await _ask(*example.pop("at"), parameters=example.get("parameters", {}), body=example.get("request"))
+        answer.raise_for_status()
+        if answer.headers.get("content-type") == JSON:
+            example["response"] = _shortened(name, answer.json())
+        examples[name] = example
     return examples
+
+
+async def _ask(method: str, path: str, media: str = JSON, *, parameters: dict[str, Any], body: Any) -> httpx.Response:
+    """Ask an app of its own, so that examples do not depend on their order."""
+    headers = {name: value for name, value in parameters.items() if name in HEADERS | JOB_HEADERS}
+    query = {name: value for name, value in parameters.items() if name not in headers and f"{{{name}}}" not in path}
+    content = json.dumps(body) if media == JSON and body is not None else body
+    with demo_app() as app:
+        async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost") as client:
+            return await client.request(
+                method, path.format(**parameters), params=query, content=content,
+                headers=headers | ({"content-type": media} if content is not None else {}),
+            )  # fmt: skip
+
+
+@contextmanager
+def demo_app() -> Iterator[FastAPI]:
+    """Enter the API as the examples find it: with an open session, a few designs and jobs, all as at the start."""
+    with demo_store(example_design()) as store, demo_jobs(example_document()) as jobs:
+        yield create_app(Settings(host="127.0.0.1", token=None), live=DemoSessions(), store=store, jobs=jobs)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from functools import cache
 
 from fastapi import APIRouter
@@ -15,23 +14,9 @@ from models.problems import echo
 from server.answers import json_answer
 from server.openapi import operation
 from server.schemas import PresetItem, PresetList
+from server.summaries import summarize
 
-LONGEST_SUMMARY = 220
 router = APIRouter(tags=["presets"])
-
-
-def summarize(notes: str) -> str:
-    """Return the first sentences of some notes that fit, or the beginning of the first, cut at a word."""
-    # a full stop after a single letter is an initial, not the end of a sentence
-    sentences = re.split(r"(?<=[\w)\]'\"%][\w)\]'\"%][.!?])\s+(?=[A-Z])", notes.strip())
-    summary = sentences[0]
-    for sentence in sentences[1:]:
-        if len(summary) + 1 + len(sentence) > LONGEST_SUMMARY:
-            break
-        summary = f"{summary} {sentence}"
-    if len(summary) <= LONGEST_SUMMARY:
-        return summary
-    return summary[: LONGEST_SUMMARY - 1].rsplit(" ", 1)[0].rstrip(" ,;:") + "…"
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Owns /schemas: the JSON Schema of the design document."""
+"""Owns /schemas: the JSON Schemas of the design document and the batch document."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from fastapi.responses import Response
 
 from models.design import Design
 from server.answers import json_answer
+from server.jobs.spec import batch_schema
 from server.openapi import operation
 
 router = APIRouter(tags=["schemas"])
@@ -28,3 +29,12 @@ def design_schema() -> dict[str, Any]:
 def get_design_schema() -> Response:
     """Answer the JSON Schema of the design document: every field with its unit, symbol, limits and a sentence."""
     return json_answer(design_schema())
+
+
+@router.get(
+    "/schemas/batch", response_model=dict[str, Any], summary="Get the batch document's JSON Schema",
+    **operation("get_batch_schema"),
+)  # fmt: skip
+def get_batch_schema() -> Response:
+    """Answer the JSON Schema of the batch document, which says what jobs do: every field with a sentence and limits."""
+    return json_answer(batch_schema())

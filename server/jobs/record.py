@@ -1,0 +1,36 @@
+"""Owns the record of a job as everyone sees it: state, progress, what it is about, and why cases failed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+from server.store.jobs import Failure, Job
+
+
+def record_of(job: Job, *, failures: Sequence[Failure]) -> dict[str, Any]:
+    """Return a job's record, ready for JSON."""
+    about = json.loads(job.about)
+    left = job.counted - job.done
+    rate = job.rate if job.state == "running" else None
+    return {
+        "id": job.id, "name": job.name, "kind": job.kind, "state": job.state, "reason": job.reason,
+        "created": moment(job.created), "started": moment(job.started), "finished": moment(job.finished),
+        "progress": {
+            "cases": job.counted, "done": job.done, "failed": job.failed,
+            "chunks": job.chunks, "chunks_done": job.chunks_done,
+            "rate": rate, "seconds_left": left / rate if rate else None,
+        },
+        "design": about["design"], "parameters": about["parameters"], "metrics": about["metrics"],
+        "engine": about["engine"] | {"processors": job.processors.splitlines()},
+        "checksum": job.checksum, "trajectories": about["trajectories"],
+        "failures": [{"reason": f.reason, "count": f.count, "case": f.case} for f in failures],
+        "stopped_early": job.stopped_at is not None,
+    }  # fmt: skip
+
+
+def moment(seconds: float | None) -> str | None:
+    """Return a time since 1970 in ISO 8601, UTC."""
+    return None if seconds is None else datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
