@@ -38,6 +38,8 @@ export const getPresets = () => call("GET", "api/v1/presets");
 export const createSession = (text) => call("POST", "sessions", text);
 export const getState = () => call("GET", "state");
 export const getPolar = () => call("GET", "polar");
+export const saveDesign = (request) => call("POST", "save", request);
+export const listDesigns = (query) => call("GET", `api/v1/designs?${new URLSearchParams(query)}`);
 export const edit = (patch) => call("POST", "edit", { patch });
 export const undo = () => call("POST", "undo");
 export const redo = () => call("POST", "redo");
@@ -54,7 +56,7 @@ export async function readDesignFile(file) {
     JSON.parse(text);
   } catch (error) {
     throw new ApiError({ title: `${file.name} is not a JSON file`, detail: error.message, status: 0,
-      errors: [{ message: "A design file is JSON text, saved by this studio.", hint: "Choose a file that Save wrote." }] });
+      errors: [{ message: "A design file is JSON text, saved by this studio.", hint: "Choose a file that Export wrote." }] });
   }
   return text;
 }

@@ -53,6 +53,13 @@ export function extensionScale(unit) {
   return unit === "rad" ? { symbol: "°", per: DEGREES, digits: 1, snap: 1 / DEGREES } : { symbol: "mm", per: 1e3, digits: 2, snap: 1e-4 };
 }
 
+// When something was done, short enough for a list; the year only where it is another one.
+export function dayAndTime(time) {
+  const date = new Date(time);
+  const year = date.getFullYear() === new Date().getFullYear() ? undefined : "numeric";
+  return date.toLocaleString(undefined, { year, month: "short", day: "numeric", hour: "2-digit", minute: "2-digit" });
+}
+
 export function clockTime(iso) {
   const date = new Date(iso);
   if (Number.isNaN(date.getTime())) return "";

@@ -1,19 +1,39 @@
-// The header: the design's name and state, undo and redo, open, save and export.
+// The header: the design's name and state, undo and redo, open and export.
 
 import { readDesignFile } from "./api.js";
 import { $, setText } from "./dom.js";
 import { clockTime } from "./format.js";
 
-function savedText({ saved_at: savedAt, revision }) {
-  return savedAt ? `saved ${clockTime(savedAt)} · revision ${revision}` : `not saved · revision ${revision}`;
+function savedText(origin) {
+  if (origin?.kind !== "stored") return "Not saved";
+  return origin.changed ? `Revision ${origin.revision} · unsaved changes` : `Revision ${origin.revision}`;
+}
+
+function savedTitle({ origin, saved_at: savedAt }) {
+  const kept = savedAt ? `This work is kept for this browser alone, since ${clockTime(savedAt)}. ` : "";
+  return origin?.kind === "stored" && !origin.changed ? "All is saved" : `${kept}Save stores it as a design with a link of its own`;
+}
+
+function showOrigin(state) {
+  const { origin } = state;
+  setText($("saved"), savedText(origin));
+  $("saved").title = savedTitle(state);
+  $("saved").toggleAttribute("data-changed", Boolean(origin?.changed));
+  const ofCase = origin?.kind === "case";
+  const name = ofCase ? `Case ${origin.case}${origin.changed ? ", edited" : ""} · ${origin.job_name}` : "";
+  $("case").hidden = !ofCase;
+  $("case").href = ofCase ? `../../jobs/${encodeURIComponent(origin.job_id)}` : "";
+  $("case").title = ofCase ? `${name}. Show the job` : "";
+  setText($("case"), name);
+  const mark = origin?.kind === "stored" && origin.changed ? "● " : "";
+  document.title = `${mark}${ofCase ? `${name} · ` : ""}${state.name} · Glider studio`;
 }
 
 function show({ state, busy }) {
   if (!state) return;
-  document.title = `${state.name} · Glider studio`;
   setText($("name"), state.name);
   $("name").title = state.name;
-  setText($("saved"), savedText(state));
+  showOrigin(state);
   setText($("hydrodynamics"), state.hydrodynamics ?? "");
   $("hydrodynamics").title = `Hydrodynamics: ${state.hydrodynamics}. Show the data against the law`;
   setText($("solver"), state.solver ?? "");
@@ -24,8 +44,7 @@ function show({ state, busy }) {
   for (const id of ["export-csv", "export-nc"]) $(id).toggleAttribute("aria-disabled", !state.run);
 }
 
-function connectMenu() {
-  const menu = $("export");
+function connectMenu(menu) {
   const close = () => menu.removeAttribute("open");
   document.addEventListener("pointerdown", (event) => menu.contains(event.target) || close());
   menu.addEventListener("keydown", (event) => {
@@ -73,6 +92,7 @@ export function connectHeader({ store, actions }) {
     if (file) actions.open(() => readDesignFile(file));
   });
   connectTrim({ store, actions });
-  connectMenu();
+  connectMenu($("export"));
+  connectMenu($("link"));
   connectKeys(actions);
 }

@@ -2,8 +2,10 @@
 
 import { createSession, getPresets, readDesignFile } from "./api.js";
 import { $, el } from "./dom.js";
+import { dayAndTime } from "./format.js";
 import { problemNodes } from "./problem.js";
 import { forgetGone, recentSessions } from "./recent.js";
+import { connectStoredList } from "./storedlist.js";
 
 function card({ id, name, summary }) {
   const image = el("img", { src: `presets/${encodeURIComponent(id)}.svg`, alt: "", loading: "lazy" });
@@ -34,10 +36,8 @@ async function showPresets() {
   $("presets").setAttribute("aria-busy", "false");
 }
 
-const openedAt = (time) => new Date(time).toLocaleString(undefined, { month: "short", day: "numeric", hour: "2-digit", minute: "2-digit" });
-
 function recentLink({ id, name, time }) {
-  const when = el("time", { datetime: new Date(time).toISOString() }, openedAt(time));
+  const when = el("time", { datetime: new Date(time).toISOString() }, dayAndTime(time));
   return el("li", {}, el("a", { class: "btn", href: `s/${encodeURIComponent(id)}/`, title: name, "data-testid": `recent-${id}` }, el("span", {}, name), when));
 }
 
@@ -71,5 +71,6 @@ $("file").addEventListener("change", () => $("file").files[0] && openFile($("fil
 showPresets();
 showRecent();
 forgetGone(showRecent);
+connectStoredList();
 // A page kept by the browser for its back button knows nothing of the sessions opened since.
 window.addEventListener("pageshow", (event) => event.persisted && showRecent());

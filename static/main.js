@@ -4,6 +4,7 @@ import { postClock } from "./api.js";
 import { Clock } from "./clock.js";
 import { $ } from "./dom.js";
 import { connectHeader } from "./header.js";
+import { connectMomentLink, startAt } from "./momentlink.js";
 import { connectNotices } from "./notices.js";
 import { connectOverlays } from "./overlays.js";
 import { connectPolar } from "./polar.js";
@@ -12,6 +13,7 @@ import { rememberSession } from "./recent.js";
 import { bedInSight, largestForce, pathBox, positionAt, sceneAt, visibility } from "./scene.js";
 import { createActions, follow } from "./session.js";
 import { createStore } from "./store.js";
+import { connectSaving } from "./stored.js";
 import { Timeline } from "./timeline.js";
 import { connectTransport, pressKey } from "./transport.js";
 import { Viewer } from "./viewer.js";
@@ -47,7 +49,10 @@ const viewer = new Viewer($("view"), {
   visibilityOf: (name) => visibility(name, shown()),
   onDock: (left) => document.documentElement.style.setProperty("--dock", `${left}px`),
   onLink: (viewerLinked) => store.set({ viewerLinked }),
-  onKey: (event) => event.key === " " && pressKey(event, clock),
+  onKey: (event) => {
+    saving.press(event);
+    if (event.key === " ") pressKey(event, clock);
+  },
   postClock,
 });
 
@@ -78,6 +83,9 @@ store.watch(["view"], () => {
 clock.watch(showScene);
 
 connectHeader({ store, actions });
+const saving = connectSaving(store);
+connectMomentLink({ store, clock });
+startAt({ store, clock });
 const polar = connectPolar({ store, clock });
 connectNotices({ store, select: actions.select, showForces: polar.open });
 connectOverlays({ store, clock, setCamera: actions.camera });

@@ -21,6 +21,7 @@ from pydantic_core import to_json
 
 from models.design import Design, parse_design
 from models.problems import DesignError
+from studio.origin import Origin, origin_document, read_origin
 
 log = logging.getLogger(__name__)
 
@@ -38,6 +39,7 @@ class SavedSession:
     revision: int
     saved_at: str
     design: Design
+    origin: Origin | None = None
 
 
 def is_session_id(text: str) -> bool:
@@ -83,9 +85,9 @@ class Autosave:
             return None
         try:
             saved = json.loads(self._path(session_id).read_bytes())
-            design = parse_design(saved["design"])
+            design, origin = parse_design(saved["design"]), read_origin(saved.get("origin"))
             return SavedSession(
-                session_id, str(saved["secret_hash"]), int(saved["revision"]), str(saved["saved_at"]), design
+                session_id, str(saved["secret_hash"]), int(saved["revision"]), str(saved["saved_at"]), design, origin
             )
         except FileNotFoundError:
             return None
@@ -126,6 +128,7 @@ class Autosave:
             "secret_hash": session.secret_hash,
             "revision": session.revision,
             "saved_at": saved_at,
+            "origin": origin_document(session.origin),
             "design": session.design.model_dump(mode="json"),
         }
         # mkstemp makes the file readable by its owner alone

@@ -15,6 +15,7 @@ from models.limits import DEFAULT_LIMITS, Limits
 from models.problems import DesignError
 from models.warm import kernel_is_ready, warm_kernel_in_background
 from studio.autosave import Autosave, SavedSession, is_session_id
+from studio.origin import Origin
 from studio.session import Session
 from studio.view import View
 
@@ -33,7 +34,8 @@ class OpenSession:
         self.closed = False
         self.last_seen = time.monotonic()
         self._secret_hash, self._autosave = secret_hash, autosave
-        self._saved_revision = session.revision if saved_at is not None else -1
+        self._saved = (session.revision, session.origin) if saved_at is not None else None
+        self.saving = threading.Lock()
         self._view: View | None = None
         self._view_lock = threading.Lock()
         session.subscribe(lambda _change: self.save())
@@ -56,10 +58,11 @@ class OpenSession:
     def save(self) -> None:
         """Have the document written, where it has changed."""
         session = self.session
-        if session.revision == self._saved_revision:
+        state = session.revision, session.origin
+        if state == self._saved:
             return
-        self._saved_revision = session.revision
-        saved = SavedSession(session.id, self._secret_hash, session.revision, "", session.design)
+        self._saved = state
+        saved = SavedSession(session.id, self._secret_hash, session.revision, "", session.design, session.origin)
         self._autosave.save(saved, on_saved=self._was_saved)
 
     def _was_saved(self, at: str) -> None:
@@ -86,14 +89,16 @@ class Sessions:
         self._lock = threading.Lock()
         self._kernel_started = False
 
-    def create(self, design: Design) -> tuple[OpenSession, str]:
+    def create(self, design: Design, origin: Origin | None = None) -> tuple[OpenSession, str]:
         """Open a session on a design; returns it and the secret of its cookie. Raises `DesignError`."""
         session_id, secret = secrets.token_urlsafe(9), secrets.token_urlsafe(24)
-        opened = OpenSession(Session(session_id, design, limits=self._limits), hash_secret(secret), self._autosave)
+        session = Session(session_id, design, limits=self._limits, origin=origin)
+        opened = OpenSession(session, hash_secret(secret), self._autosave)
         with self._lock:
             self._open[session_id] = opened
         self._start_kernel()
         opened.save()
+        self._autosave.flush()  # a proxy may send the page that follows to another process, which reads the file
         return opened, secret
 
     def get(self, session_id: str) -> Session | None:
@@ -113,7 +118,9 @@ class Sessions:
         if saved is None:
             return None
         try:
-            session = Session(session_id, saved.design, limits=self._limits, revision=saved.revision)
+            session = Session(
+                session_id, saved.design, limits=self._limits, revision=saved.revision, origin=saved.origin
+            )
         except DesignError as error:
             log.warning("the saved session %s cannot be used: %s", session_id, error)
             return None

@@ -1,8 +1,8 @@
-"""Owns the start of the server: settings, the API with the studio on it, one port, and the kernel's compilation."""
+"""Owns the server's start and stop: settings, the API with the studio on it, one port, the kernel's compilation."""
 
 from __future__ import annotations
 
-import logging
+import signal
 import socket
 import sys
 import threading
@@ -14,27 +14,37 @@ import uvicorn
 from pydantic import ValidationError
 
 from models.warm import kernel_is_ready, warm_kernel
-from server.app import create_app
+from server.app import create_app, open_store
+from server.jobs.opening import open_jobs
+from server.logs import configure_logging
 from server.settings import Settings
+from server.stopping import Stopping
 from studio.exit_codes import DONE, UNUSABLE
 from studio.web import create_studio, running
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+    from types import FrameType
 
     from fastapi import FastAPI
 
 
+GRACE = 3
+"""Longest that answers under way may take once the server stops, s."""
+
+
 def make_app(settings: Settings) -> FastAPI:
     """Return the API with the studio on it."""
-    router, sessions = create_studio(settings)
+    store = open_store(settings)
+    jobs = open_jobs(settings, store)
+    router, sessions = create_studio(settings, store=store, jobs=jobs)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         async with running(sessions):
             yield
 
-    app = create_app(settings, live=sessions, lifespan=lifespan)
+    app = create_app(settings, live=sessions, store=store, jobs=jobs, lifespan=lifespan)
     app.include_router(router)
     return app
 
@@ -42,8 +52,27 @@ def make_app(settings: Settings) -> FastAPI:
 def uvicorn_config(app: FastAPI) -> uvicorn.Config:
     """Return how the app is served: one worker, and websockets without compression, which costs more than it saves."""
     return uvicorn.Config(
-        app, log_level="warning", ws="websockets-sansio", ws_per_message_deflate=False, timeout_graceful_shutdown=3
-    )
+        app, log_config=None, log_level="warning", access_log=False, ws="websockets-sansio",
+        ws_per_message_deflate=False, timeout_graceful_shutdown=GRACE,
+    )  # fmt: skip
+
+
+class Server(uvicorn.Server):
+    """A server that first ends what has no end of its own, then waits a little for the rest."""
+
+    def __init__(self, config: uvicorn.Config, stopping: Stopping) -> None:
+        super().__init__(config)
+        self._stopping = stopping
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Stop on the first signal, at once on Ctrl-C after it; being asked to stop is no failure."""
+        self.force_exit = self.should_exit and sig == signal.SIGINT
+        self.should_exit = True
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End event streams and previews, and close what remains."""
+        self._stopping.begin()
+        await super().shutdown(sockets)
 
 
 def _settings(**given: Any) -> Settings | None:
@@ -88,11 +117,11 @@ def serve(*, host: str | None = None, port: int | None = None, data: Path | None
     listener = _bind(settings) if settings is not None else None
     if settings is None or listener is None:
         return UNUSABLE
-    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
+    configure_logging(settings.log_format, settings.log_level)
     app = make_app(settings)
     shown = f"[{settings.host}]" if ":" in settings.host else settings.host
     print(f"Glider studio is at http://{shown}:{listener.getsockname()[1]}/ (Ctrl-C stops it)", flush=True)
     if not kernel_is_ready():
         threading.Thread(target=_announce_kernel, name="kernel-warm-up", daemon=True).start()
-    uvicorn.Server(uvicorn_config(app)).run(sockets=[listener])
+    Server(uvicorn_config(app), app.state.stopping).run(sockets=[listener])
     return DONE

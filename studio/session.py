@@ -20,6 +20,7 @@ from models.run import Run
 from models.warm import kernel_is_ready
 from server.editing import apply_patch
 from studio import changes
+from studio.origin import Origin
 from studio.runner import Runner
 
 log = logging.getLogger(__name__)
@@ -45,7 +46,10 @@ class Session:
     `problem`, and leaves document and run as they were.
     """
 
-    def __init__(self, session_id: str, design: Design, *, limits: Limits = DEFAULT_LIMITS, revision: int = 1) -> None:
+    def __init__(
+        self, session_id: str, design: Design, *, limits: Limits = DEFAULT_LIMITS, revision: int = 1,
+        origin: Origin | None = None,
+    ) -> None:  # fmt: skip
         self.id = session_id
         self._limits = limits
         self._lock = threading.RLock()
@@ -54,6 +58,8 @@ class Session:
         self._run_assembly: Assembly | None = None
         self._problem: tuple[Problem, ...] = ()
         self._revision = revision
+        self._origin = origin
+        self._identity: tuple[Design, str] | None = None
         self._selected = design.vehicle.actuated[0][0] if design.vehicle.actuated else 0
         self._undo: deque[Assembly] = deque(maxlen=HISTORY)
         self._redo: deque[Assembly] = deque(maxlen=HISTORY)
@@ -98,6 +104,21 @@ class Session:
         return self._revision
 
     @property
+    def origin(self) -> Origin | None:
+        """Where the document came from; None where it is kept in this session alone."""
+        return self._origin
+
+    @property
+    def changed(self) -> bool:
+        """Whether the document differs from the one at its origin."""
+        design, known, origin = self.design, self._identity, self._origin
+        if origin is None:
+            return False
+        if known is None or known[0] is not design:
+            self._identity = known = design, design.identity
+        return known[1] != origin.identity
+
+    @property
     def can_undo(self) -> bool:
         """Whether there is a change to undo."""
         return bool(self._undo)
@@ -128,8 +149,18 @@ class Session:
         return self.edit([{"op": "replace", "path": pointer, "value": value}])
 
     def replace(self, design: Design) -> Design:
-        """Put another document in this one's place; that, too, can be undone."""
-        return self._change(lambda _: design)
+        """Put another document in this one's place; that, too, can be undone.
+
+        It has no origin: saved, it is a design of its own, and overwrites none.
+        """
+        replaced = self._change(lambda _: design)
+        self.come_from(None)
+        return replaced
+
+    def come_from(self, origin: Origin | None) -> None:
+        """Remember where the document was opened from, or is kept now."""
+        self._origin = origin
+        self._runner.touch()
 
     def add_component(self, kind: str) -> Design:
         """Add a bellows, piston, bladder, movable_mass or rigid part, and select it."""

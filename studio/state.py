@@ -17,6 +17,7 @@ from models.schedule import Schedule
 from models.water import gravity_of, surface_density
 from studio.bodies import drawn_length
 from studio.curves import run_document
+from studio.origin import origin_document
 from studio.palette import component_colors
 from studio.polar import source_in_short
 from studio.scene import vehicle_length
@@ -40,6 +41,7 @@ def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:
         "revision": revision,
         "name": design.name,
         "saved_at": saved_at,
+        "origin": _origin(session),
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
         "kernel": "compiling" if session.compiling else "ready",
@@ -59,6 +61,11 @@ def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:
         "mass": _mass(design),
         "run": None if run is None else run_document(run, design),
     }
+
+
+def _origin(session: Session) -> dict[str, Any] | None:
+    document = origin_document(session.origin)
+    return None if document is None else document | {"changed": session.changed}
 
 
 def _warnings(session: Session, run: Run | None) -> list[Problem]:

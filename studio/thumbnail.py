@@ -21,7 +21,7 @@ from studio.palette import component_colors
 from studio.water import path_points
 
 WIDTH, HEIGHT = 480, 216
-GLIDER_BAND, PATH_BAND = (24.0, 96.0), (118.0, 192.0)
+GLIDER_BAND, PATH_BAND, WHOLE_BAND = (24.0, 96.0), (118.0, 192.0), (36.0, 180.0)
 MARGIN = 36.0
 FROM_NORTH_EAST = np.array([[0.82, 0.21], [-0.57, 0.30], [0.0, 0.93]])
 """Takes north, east and down to across and down in a picture from the north-east, a little from above."""
@@ -49,7 +49,7 @@ def draw(design: Design, run: Run | None) -> str:
         f'<stop offset="0" stop-color="{palette.WATER_TOP}"/><stop offset="1" stop-color="{palette.WATER_BOTTOM}"/>'
         "</linearGradient></defs>",
         f'<rect width="{WIDTH}" height="{HEIGHT}" fill="url(#water)"/>',
-        *_silhouette(design),
+        *_silhouette(design, WHOLE_BAND if run is None else GLIDER_BAND),
     ]
     if run is not None:
         parts += _path(run)
@@ -69,7 +69,7 @@ def _outline(body: Body, position: tuple[float, float, float]) -> Array:
     return np.asarray(flat[ConvexHull(flat).vertices])
 
 
-def _silhouette(design: Design) -> list[str]:
+def _silhouette(design: Design, band: tuple[float, float]) -> list[str]:
     components = design.vehicle.components
     drawn = [
         (_outline(body, component.position), color, body.opacity)
@@ -80,7 +80,7 @@ def _silhouette(design: Design) -> list[str]:
         return []
     corners = np.concatenate([outline for outline, _, _ in drawn])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    top, bottom = GLIDER_BAND
+    top, bottom = band
     scale = min((WIDTH - 2 * MARGIN) / max(high[0] - low[0], 1e-6), (bottom - top) / max(high[1] - low[1], 1e-6))
     middle = (low + high) / 2.0
     shapes = []

@@ -16,20 +16,20 @@ from starlette.staticfiles import StaticFiles
 
 from models.design import Design, parse_design
 from models.presets import load_preset
-from server.access import TOKEN_COOKIE, token_proof
+from server.access import TOKEN_COOKIE, is_known_host, is_same_origin, token_proof
 from server.answers import json_answer
 from server.body import loads
 from server.errors import problem_response
+from server.jobs.service import Jobs
 from server.settings import Settings
-from studio import operations, proxy
+from server.store.designs import DesignStore
+from studio import job_pages, operations, proxy, stored
 from studio.access import (
     PAGE_HEADERS,
     Admitted,
     AnySessions,
     SettingsNow,
     has_token,
-    is_known_host,
-    is_same_origin,
     provide,
     set_session_cookie,
 )
@@ -42,11 +42,16 @@ pages = APIRouter(include_in_schema=False)
 _static = StaticFiles(directory=STATIC)
 
 
-def create_studio(settings: Settings) -> tuple[APIRouter, Sessions]:
-    """Return the studio's routes, and the open sessions, which the API takes as its live sessions."""
+def create_studio(
+    settings: Settings, *, store: DesignStore | None = None, jobs: Jobs | None = None
+) -> tuple[APIRouter, Sessions]:
+    """Return the studio's routes, and the open sessions, which the API takes as its live sessions.
+
+    Without `store` nothing is saved there, and without it or `jobs` their links say so.
+    """
     sessions = Sessions(settings.data / "sessions", limits=settings.limits)
-    router = APIRouter(dependencies=[Depends(provide(sessions, settings))])
-    for part in (pages, operations.router, proxy.router):
+    router = APIRouter(dependencies=[Depends(provide(sessions, settings)), Depends(stored.provide(store, jobs))])
+    for part in (pages, job_pages.router, stored.router, operations.router, proxy.router):
         router.include_router(part)
     return router, sessions
 
@@ -72,7 +77,7 @@ async def running(sessions: Sessions) -> AsyncIterator[None]:
 def get_index(request: Request, settings: SettingsNow) -> Response:
     """Answer the list of presets; `?token=` lets a browser on another machine in."""
     given = request.query_params.get("token")
-    if given is not None and settings.token is not None:
+    if given is not None and settings.demands_token:
         answer: Response = RedirectResponse("./", 303)
         proof = token_proof(given)
         secure = request.url.scheme == "https"
@@ -109,7 +114,7 @@ def get_preset_picture(preset_id: str) -> Response:
 @pages.post("/sessions")
 async def open_session(request: Request, sessions: AnySessions, settings: SettingsNow) -> Response:
     """Open a session on a preset (a form with the field preset) or on a document (JSON)."""
-    if not is_same_origin(request, required=False) or not is_known_host(request, bound_to=settings.host):
+    if not is_same_origin(request, required=False) or not is_known_host(request, settings):
         return problem_response(403, "Forbidden", detail="sessions are opened from this studio's own pages only")
     if not has_token(request, settings):
         return problem_response(401, "Unauthorized", detail="open the studio's address with ?token= and its token")

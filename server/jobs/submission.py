@@ -24,7 +24,11 @@ from server.version import VERSION
 
 CHUNK_SECONDS = 1.0
 """About how long a chunk should take: short enough to cancel, watch and lose, long enough to be worth sending."""
+KEPT_BUSY = 50
+"""Workers that one manager keeps busy with such chunks: it writes and counts some ten times as many in a second."""
 LARGEST_CHUNK = 1024
+MOST_CHUNKS = 20_000
+"""Chunks of a job beyond which they grow instead: each is a file or two, and a row."""
 LANES = 16
 """Chunks are multiples of this, so that the kernel's lanes are full."""
 PROBE_STEPS = 20_000
@@ -99,10 +103,12 @@ def _about(plan: Plan, design_id: str | None, revision: int | None) -> dict[str,
 def chunk_size(plan: Plan, limits: Limits, workers: int) -> int:
     """Return how many cases make a chunk: about a second's work, and enough chunks for every worker."""
     mission = plan.design.mission
-    size = math.ceil(CHUNK_SECONDS / max(_seconds_a_case(plan.design, limits), 1e-4))
+    wanted = CHUNK_SECONDS * max(1.0, workers / KEPT_BUSY)
+    size = math.ceil(wanted / max(_seconds_a_case(plan.design, limits), 1e-4))
+    size = min(size, LARGEST_CHUNK, math.ceil(plan.count / (2 * workers)))
+    size = max(size, math.ceil(plan.count / MOST_CHUNKS))
     if plan.spec.trajectories != "none" or isinstance(plan.spec, Simulate):
         size = min(size, int(MOST_NUMBERS / (COLUMNS_OF_RUN * (mission.duration / mission.solver.output_interval + 2))))
-    size = min(size, LARGEST_CHUNK, math.ceil(plan.count / (2 * workers)))
     return max(1, size if size < LANES else size // LANES * LANES)
 
 

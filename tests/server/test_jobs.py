@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from models.assemble import assemble
+from models.limits import DEFAULT_LIMITS
 from models.metrics import evaluate, metrics_for
 from models.problems import DesignError
 from models.simulate import run_assembly
@@ -33,7 +34,6 @@ from tests.server.job_support import (
     table_of,
     wait_for,
 )
-
 
 COMMAND = "/mission/control/schedules/0/points/0/extension"
 
@@ -251,7 +251,7 @@ def monte_carlo(**stop):
 
 
 def test_where_to_stop_depends_on_the_cases_alone(tmp_path, monkeypatch):
-    """The same number of cases counts for small and large chunks, and it is the first look at which the width is met."""
+    """The same number of cases counts for small and large chunks: the first look at which the width is met."""
     stops = []
     for size in (7, 64):
         chunks_of(size, monkeypatch)
@@ -260,7 +260,8 @@ def test_where_to_stop_depends_on_the_cases_alone(tmp_path, monkeypatch):
             assert job.state == "succeeded" and job.stopped_at is not None and job.done == job.counted == job.stopped_at
             record = jobs.record(job)
             assert record["stopped_early"] and f"stopped after {job.stopped_at} of 400" in record["reason"]
-            stops.append((job.stopped_at, table_of(jobs, job).slice(0, job.stopped_at).column("maximum_depth").to_pylist()))
+            counted = table_of(jobs, job).slice(0, job.stopped_at)
+            stops.append((job.stopped_at, counted.column("maximum_depth").to_pylist()))
     assert stops[0] == stops[1]
     from scipy.stats import t
 
@@ -338,3 +339,23 @@ def test_jobs_take_turns(tmp_path, monkeypatch):
         assert not jobs.store.get(large.id).over
         jobs.cancel(large.id)
         finished(jobs, large)
+
+
+def test_chunks_are_sized_by_time_count_and_memory(monkeypatch):
+    """About a second each, two for every worker, at most so many, and no more trajectories than fit in memory."""
+    from server.jobs import submission
+    from server.jobs.plan import make_plan
+
+    def size(count, seconds, workers=2, **more):
+        monkeypatch.setattr(submission, "_seconds_a_case", lambda design, limits: seconds)
+        spec = parse_spec(sweep(count, **more))
+        return submission.chunk_size(make_plan(spec, spec.design, max_cases=10**9), DEFAULT_LIMITS, workers)
+
+    assert size(10**5, 0.01) == 96  # a second's work, in whole lanes
+    assert size(10**5, 0.01, workers=500) == 96  # ten seconds' work, but two chunks for every worker
+    assert size(8, 0.01) == 2
+    assert size(10**5, 100.0) == 5  # no more than 20,000 chunks
+    assert size(10**9, 0.001) == 50_000
+    kept = size(10**9, 0.001, trajectories="all")
+    samples = 4.0 / 0.05 + 2
+    assert kept * samples * submission.COLUMNS_OF_RUN <= submission.MOST_NUMBERS < (kept + 16) * samples * 70

@@ -3,6 +3,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +16,9 @@ from models.design import Design
 from models.presets import load_preset
 from models.warm import warm_kernel
 from server.errors import install_error_handlers
+from server.jobs.service import Jobs
 from server.settings import Settings
+from server.store.designs import DesignStore
 from studio.registry import Sessions
 from studio.session import Session
 from studio.web import create_studio, running
@@ -67,17 +70,19 @@ class Studio:
         return client, session_id
 
 
-def make_app(settings: Settings) -> tuple[FastAPI, Sessions]:
-    router, sessions = create_studio(settings)
+def make_app(
+    settings: Settings, *, store: DesignStore | None = None, jobs: Jobs | None = None
+) -> tuple[FastAPI, Sessions]:
+    router, sessions = create_studio(settings, store=store, jobs=jobs)
     app = FastAPI(lifespan=lambda _: running(sessions))
     install_error_handlers(app)
     app.include_router(router)
     return app, sessions
 
 
-@pytest.fixture(scope="module")
-def studio(kernel: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
-    app, sessions = make_app(Settings(data=Path(tmp_path_factory.mktemp("data")), token=None))
+@contextmanager
+def serving(app: FastAPI) -> Iterator[str]:
+    """Serve an app on a loopback port; yields its address."""
     config = uvicorn.Config(
         app, port=0, log_level="warning", ws="websockets-sansio", ws_per_message_deflate=False,
         timeout_graceful_shutdown=2,
@@ -87,6 +92,15 @@ def studio(kernel: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[S
     thread.start()
     wait_until(lambda: server.started)
     port = server.servers[0].sockets[0].getsockname()[1]
-    yield Studio(f"http://127.0.0.1:{port}", sessions)
-    server.should_exit = True
-    thread.join(10.0)
+    try:
+        yield f"http://127.0.0.1:{port}"
+    finally:
+        server.should_exit = True
+        thread.join(10.0)
+
+
+@pytest.fixture(scope="module")
+def studio(kernel: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    app, sessions = make_app(Settings(data=Path(tmp_path_factory.mktemp("data")), token=None))
+    with serving(app) as url:
+        yield Studio(url, sessions)

@@ -77,3 +77,15 @@ def test_idle_sessions_leave_memory_and_come_back(kernel: None, tmp_path: Path, 
     assert json.loads((tmp_path / f"{opened.session.id}.json").read_text())["id"] == opened.session.id
     assert sessions.find(opened.session.id) is not None
     sessions.close()
+
+
+def test_a_session_that_one_process_opened_is_there_for_another_at_once(
+    kernel: None, tmp_path: Path, dual_bellows: Design
+) -> None:
+    """Several processes share the folder; the page that follows may be asked of another one than the opening."""
+    one, other = Sessions(tmp_path), Sessions(tmp_path)
+    opened, secret = one.create(dual_bellows)
+    found = other.find(opened.session.id)
+    assert found is not None and found.admits(secret) and found.session.design == dual_bellows
+    one.close()
+    other.close()
