@@ -52,7 +52,7 @@ postgres:
 	  || echo "PostgreSQL is missing and cannot be installed here: the tests of the store will fail"
 
 warm: setup
-	$(BIN)/python -c 'from models.warm import warm_analyses; warm_analyses()'
+	$(BIN)/python -c 'from models.warm import warm_analyses, warm_batch; warm_analyses(); warm_batch()'
 
 bench: setup-dev
 	$(BIN)/python -m benchmarks.planar

@@ -167,7 +167,7 @@ def _rates(design: Design) -> Array:
 def _source_arrays(design: Design) -> tuple[dict[str, Array], Array]:
     """Return the table over both angles, and the coefficients; zeros where the source has none."""
     source, numbers = design.vehicle.hydrodynamics, np.zeros(len(COEFFICIENT_NAMES))
-    grid = {"grid_alpha": np.zeros(2), "grid_beta": np.zeros(2), "grid": np.zeros((1, 6, 4, 4))}
+    grid = {"grid_alpha": np.zeros(2), "grid_beta": np.zeros(2), "grid": np.zeros((1, 96))}
     described: CoefficientForm | LateralCoefficients | None = None
     names: tuple[str, ...] = LATERAL_NAMES
     if isinstance(source, CoefficientForm):
@@ -176,7 +176,7 @@ def _source_arrays(design: Design) -> tuple[dict[str, Array], Array]:
         described = source.lateral
     else:
         law = build_grid_law(source)
-        grid = {"grid_alpha": law.alpha.copy(), "grid_beta": law.beta.copy(), "grid": law.pieces.copy()}
+        grid = {"grid_alpha": law.alpha.copy(), "grid_beta": law.beta.copy(), "grid": law.pieces.reshape(-1, 96).copy()}
     if described is not None:
         numbers[: len(names)] = [getattr(described, name) for name in names]
     return grid, numbers

@@ -1,17 +1,178 @@
-"""Owns the simulation of many designs at once."""
+"""Owns many runs at once: designs that may share lanes fly side by side in the kernel, the others one by one."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import time
+from collections.abc import Hashable, Iterator, Sequence
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
 
 from models.assemble import Assembly
+from models.kernel import lane_arrays, lane_params
+from models.kernel.control_layout import SHOWN
+from models.kernel.lane_params import FIELDS, WOVEN, Cases, Hold
+from models.kernel.lanes import fly_lanes
+from models.kernel.params import Params, Record
+from models.kernel.spatial_layout import SPACE
 from models.limits import DEFAULT_LIMITS, Limits
 from models.run import Run
-from models.simulate import Control, run_assembly
+from models.simulate import MAX_EVENTS, Control, make_run, run_assembly
+
+Array = NDArray[np.float64]
+TOGETHER = 512
+"""Designs that are flown before the first of their runs is handed out."""
+NUMBERS_TOGETHER = 20_000_000
+"""Numbers of their samples that are in memory at once; a design that has more flies alone."""
+LAWS, MOVES = ("law_start", "law_count"), lane_arrays.ALIKE
+SWITCHES = tuple(name for name in SPACE.names or () if SPACE[name].kind == "i")
+EVEN = ("commands", *WOVEN)
+"""Fields that every design has for itself; equal ones of the others are kept once."""
+
+
+def can_share_lanes(assembly: Assembly) -> bool:
+    """Whether a design can be flown in lanes, which exist in compiled code alone."""
+    return not numba.config.DISABLE_JIT  # type: ignore[attr-defined]
 
 
 def run_batch(
     assemblies: Sequence[Assembly], *, limits: Limits = DEFAULT_LIMITS, control: Control | None = None
-) -> list[Run]:
-    """Return one run for each assembly, in their order."""
-    return [run_assembly(assembly, limits=limits, control=control) for assembly in assemblies]
+) -> Iterator[Run]:
+    """Yield the run of each assembled design in order, as `run_assembly` would return it.
+
+    No bit of a run depends on which others are flown with it. `control` stops them all, each where it is; of those that
+    have not begun there is the first step. Its `time_reached` is the sum over the runs that have ended.
+    """
+    first = 0
+    while first < len(assemblies):
+        last = _end_of_window(assemblies, first)
+        yield from _fly_window(assemblies[first:last], limits, control or Control())
+        first = last
+
+
+def _end_of_window(assemblies: Sequence[Assembly], first: int) -> int:
+    numbers = 0
+    for k in range(first, min(first + TOGETHER, len(assemblies))):
+        numbers += _capacity(assemblies[k]) * (len(assemblies[k].initial_state) + 1)
+        if numbers > NUMBERS_TOGETHER:
+            return max(k, first + 1)
+    return min(first + TOGETHER, len(assemblies))
+
+
+def _fly_window(window: Sequence[Assembly], limits: Limits, control: Control) -> list[Run]:
+    groups: dict[Hashable, list[int]] = {}
+    runs: dict[int, Run] = {}
+    for k, assembly in enumerate(window):
+        if can_share_lanes(assembly):
+            groups.setdefault(_likeness(assembly), []).append(k)
+        else:
+            runs[k] = run_assembly(assembly, limits=limits, control=control)
+    for members in groups.values():
+        runs |= zip(members, _fly_group([window[k] for k in members], limits, control), strict=True)
+    return [runs[k] for k in range(len(window))]
+
+
+def _likeness(assembly: Assembly) -> Hashable:
+    """Return what designs must have in common to share lanes: sizes and switches."""
+    p, method = assembly.params, assembly.design.mission.solver.method
+    sizes = tuple(len(getattr(p, name)) for name in WOVEN)
+    switches = [
+        tuple(records[name].tolist())
+        for records, names in ((p.parts, LAWS), (p.space, SWITCHES), (p.members, MOVES))
+        for name in names
+    ]
+    return method, sizes, tuple(switches), p.table.shape[1], len(assembly.initial_state), _shown(assembly)
+
+
+def _shown(assembly: Assembly) -> int:
+    return SHOWN + len(assembly.cells) if assembly.design.mission.control.controller is not None else 0
+
+
+def _capacity(assembly: Assembly) -> int:
+    mission = assembly.design.mission
+    return math.ceil(mission.duration / mission.solver.output_interval) + 2
+
+
+def _fly_group(group: list[Assembly], limits: Limits, control: Control) -> list[Run]:
+    cases = cases_of(group, control)
+    hold = hold_for(cases)
+    began = time.perf_counter()
+    fly_lanes(group[0].design.mission.solver.method == "adaptive", limits.steps, cases, hold)
+    elapsed = (time.perf_counter() - began) / len(group)
+    return [make_run(assembly, _record_of(k, cases), int(cases.codes[k]), elapsed) for k, assembly in enumerate(group)]
+
+
+def hold_for(cases: Cases) -> Hold:
+    """Return the memory of the lanes that fly them."""
+    parts = int(cases.spans[0, FIELDS.index("parts"), 1])
+    return lane_params.make_hold(cases.words.shape[1], cases.states.shape[1], parts)
+
+
+def _record_of(k: int, cases: Cases) -> Record:
+    """Return a design's record; its samples are copied, so that a run that is kept does not keep all others' alive."""
+    record, ((first, last), (shown, end)) = cases.record, cases.rooms[k]
+    last = first + record.counts[k, 0]
+    return Record(
+        record.times[first:last].copy(), record.states[first:last].copy(), record.events[k], record.counts[k],
+        record.control[k], record.controls[shown:end].copy(),
+    )  # fmt: skip
+
+
+def cases_of(group: list[Assembly], control: Control) -> Cases:
+    """Put the records of designs that share lanes one after another."""
+    count, n = len(group), len(group[0].initial_state)
+    spans = np.zeros((count, len(FIELDS), 2), dtype=np.int64)
+    fields: dict[str, Any] = {
+        name: _joined([getattr(a.params, name) for a in group], spans[:, k], name) for k, name in enumerate(FIELDS)
+    }
+    solvers = [a.design.mission.solver for a in group]
+    rooms, record = _rooms([_capacity(a) for a in group], n, _shown(group[0]))
+    woven = [fields[name].view(np.float64).reshape(count, -1) for name in WOVEN]
+    sizes = [columns.shape[1] for columns in woven]
+    return Cases(
+        params=Params(**fields), spans=spans, words=np.concatenate(woven, axis=1),
+        starts=np.concatenate([[0], np.cumsum(sizes[:-1])]).astype(np.int64),
+        states=np.array([a.initial_state for a in group]),
+        numbers=np.array([
+            (a.design.mission.duration, s.step, s.output_interval) for a, s in zip(group, solvers, strict=True)
+        ]),
+        record=record, rooms=rooms, codes=np.zeros(count, dtype=np.int64), control=control.flags,
+    )  # fmt: skip
+
+
+def _joined(arrays: list[NDArray[np.generic]], spans: NDArray[np.int64], name: str) -> NDArray[np.generic]:
+    """Return arrays one after another, and write the rows of each into `spans` (arrays, 2)."""
+    if name in EVEN:
+        ends = np.cumsum([len(a) for a in arrays])
+        spans[:, 0], spans[:, 1] = ends - [len(a) for a in arrays], ends
+        return np.concatenate(arrays)
+    places: dict[Hashable, int] = {}
+    kept: list[NDArray[np.generic]] = []
+    end = 0
+    for k, array in enumerate(arrays):
+        content = (array.shape, array.tobytes())
+        if content not in places:
+            places[content] = end
+            kept.append(array)
+            end += len(array)
+        spans[k] = places[content], places[content] + len(array)
+    return np.concatenate(kept)
+
+
+def _rooms(capacities: list[int], states: int, shown: int) -> tuple[NDArray[np.int64], Record]:
+    """Return where each design's samples go, and the empty record of all."""
+    ends = np.cumsum(capacities)
+    rooms = np.zeros((len(capacities), 2, 2), dtype=np.int64)
+    rooms[:, 0] = np.column_stack([ends - capacities, ends])
+    if shown:
+        rooms[:, 1] = rooms[:, 0]
+    total = int(ends[-1])
+    record = Record(
+        np.zeros(total), np.zeros((total, states)), np.zeros((len(capacities), MAX_EVENTS, 3)),
+        np.zeros((len(capacities), 6), dtype=np.int64), np.zeros((len(capacities), 2)),
+        np.zeros((total if shown else 0, shown)),
+    )  # fmt: skip
+    return rooms, record

@@ -72,8 +72,8 @@ class GlidePolar:
 
     `best_range` has the flattest path, `slowest_sink` the least vertical speed of the dives of all levels,
     `best_energy` the least energy per kilometre, `tightest_turn` the smallest radius as the cells' rolling moment goes
-    to its stops, up to `GLIDING` of attack (None without any, and for a planar design). `energy` says in words what the
-    bill assumes.
+    to its stops, up to `GLIDING` of attack (None without any, and for a planar design); `best_energy` is None too where
+    all sink upright. `energy` says in words what the bill assumes.
     """
 
     cells: tuple[str, ...]
@@ -147,7 +147,8 @@ def glide_polar(
     curves = tuple(curve for curve, _ in found)
     trims = tuple(chain.from_iterable(curve.points for curve in curves))
     bill = _bill(problem, setter.cells, below)
-    cheapest = _best(trims, lambda trim: bill(trim).per_km)
+    under_way = [trim for trim in trims if math.isfinite(bill(trim).per_km)]  # who sinks upright gets nowhere
+    cheapest = _best(under_way, lambda trim: bill(trim).per_km)
     return GlidePolar(
         setter.cells.cells, curves,
         best_range=_best(trims, lambda trim: abs(trim.glide_angle)),

@@ -134,6 +134,8 @@ class PolarTable(Source):
         lengths = {name: len(column) for name, column in self.columns}
         if len(set(lengths.values())) != 1:
             raise ValueError(f"the columns differ in length: {lengths}")
+        if not self.row_speed:
+            raise ValueError("the table has no rows: give at least one speed, its angles from 0 to 90 deg")
         if self.speed is not None and self.speed not in self.row_speed:
             raise ValueError(f"no row has the chosen speed {self.speed} m/s; the data have {list(self.speeds)} m/s")
         grids: dict[float, list[float]] = {}

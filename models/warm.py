@@ -1,7 +1,8 @@
 """Owns the compilation of the kernel: started once in the background, so that a page can be up and say so.
 
 On a machine's first start processes of their own compile: within this one the compiler would hold up every answer. What
-simulates comes first, then what analyses (trim, linear models).
+simulates comes first, then what analyses (trim, linear models). What flies batches (lanes) is compiled by whoever runs
+them (`warm_batch`).
 """
 
 from __future__ import annotations
@@ -25,8 +26,10 @@ PRESETS = ("canete-dual-bellows", "quad-bellows-glide")
 """One of each model."""
 ANALYSES_DONE = CACHE_FOLDER / "analyses"
 """Stands in the cache once the analyses are compiled too."""
-_lock, _analyses_lock = threading.Lock(), threading.Lock()
-_ready, _analyses_ready = threading.Event(), threading.Event()
+LANES_DONE = CACHE_FOLDER / "lanes"
+"""Stands in the cache once the lanes are compiled too."""
+_lock, _analyses_lock, _lanes_lock = threading.Lock(), threading.Lock(), threading.Lock()
+_ready, _analyses_ready, _lanes_ready = threading.Event(), threading.Event(), threading.Event()
 
 
 def kernel_is_ready() -> bool:
@@ -57,8 +60,18 @@ def warm_analyses() -> None:
 
 
 def warm_batch() -> None:
-    """Compile what simulates many designs at once; returns once it is in the cache."""
+    """Compile what flies batches, after what simulates; returns once it is in the cache. Safe to call from any thread.
+
+    Before worker processes start, so that none of them compiles it for itself.
+    """
+    if _lanes_ready.is_set():
+        return
     warm_kernel()
+    with _lanes_lock:
+        if not _lanes_ready.is_set():
+            if not LANES_DONE.exists() and _compiles():
+                _elsewhere("compile_lanes_here")
+            _lanes_ready.set()
 
 
 def warm_kernel_in_background() -> threading.Thread:
@@ -104,3 +117,14 @@ def compile_analyses_here() -> None:
             linearize(design, point_of(found))
     if _compiles():
         ANALYSES_DONE.touch()
+
+
+def compile_lanes_here() -> None:
+    """Compile what flies batches in this process, or load it from its cache, and leave it there: both models."""
+    from models.assemble import assemble
+    from models.batch import run_batch
+
+    for _run in run_batch([assemble(load_preset(preset_id)) for preset_id in PRESETS]):
+        pass
+    if _compiles():
+        LANES_DONE.touch()

@@ -174,7 +174,7 @@ class PolarAnswer(Wire):
     energy: str = Field(description="What the energy is reckoned from, in words.")
     curves: list[PolarCurve] = Field(description="One for each heave, dives first.")
     best_range: TrimItem | None = Field(description="The flattest path.")
-    best_energy: EnergyItem | None = Field(description="The least energy for the way.")
+    best_energy: EnergyItem | None = Field(description="The least energy for the way; null where none goes anywhere.")
     slowest_sink: TrimItem | None = Field(description="The slowest change of depth.")
     tightest_turn: TrimItem | None = Field(description="The smallest radius; null where nothing turns the glider.")
 

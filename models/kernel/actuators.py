@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from models.kernel.choice import select
 from models.kernel.jit import compiled, inlined, internal
 from models.kernel.params import EXTENSIONS, Q, U, W, Z
 from models.kernel.search import last_not_above
@@ -19,16 +20,28 @@ SAME_TIME = 1e-12
 """Times closer than this, relative to the larger of them and 1 s, are one time."""
 
 
+@internal
+def cubic_and_slope(row, e):
+    """Return V(e) and dV/de by one piece of a volume law."""
+    h = e - row[0]
+    return row[1] + h * (row[2] + h * (row[3] + h * row[4])), row[2] + h * (2.0 * row[3] + h * 3.0 * row[4])
+
+
+@internal
+def piece_at(part, e, p):
+    """Return which piece of a part's volume law holds extension e."""
+    k = select(e >= p.volume_law[part.law_start + 1, 0], part.law_start + 1, part.law_start)
+    for j in range(part.law_start + 2, part.law_start + part.law_count):
+        k = select(e >= p.volume_law[j, 0], j, k)
+    return k
+
+
 @inlined
 def volume_and_slope(part, e, p):
     """Return V(e) (m3) and dV/de (m2) of one part."""
-    k = part.law_start
-    last = part.law_start + part.law_count - 1
-    while k < last and e >= p.volume_law[k + 1, 0]:
-        k += 1
-    row = p.volume_law[k]
-    h = e - row[0]
-    return row[1] + h * (row[2] + h * (row[3] + h * row[4])), row[2] + h * (2.0 * row[3] + h * 3.0 * row[4])
+    if part.law_count == 1:
+        return cubic_and_slope(p.volume_law[part.law_start], e)
+    return cubic_and_slope(p.volume_law[piece_at(part, e, p)], e)
 
 
 @internal
@@ -68,10 +81,8 @@ def balance_with_parts(y, p):
 @internal
 def extension_rate(t, e, part, d):
     """Return de/dt of one part in the present segment, m/s."""
-    if d[MODE] == STEADY:
-        return d[RATE]
     wanted = (d[TARGET] + d[SLOPE] * (t - d[START]) - e) * part.inverse_lag
-    return min(max(wanted, -part.rate), part.rate)
+    return select(d[MODE] == STEADY, d[RATE], min(max(wanted, -part.rate), part.rate))
 
 
 @internal

@@ -5,6 +5,7 @@ A controller adds its own: it begins a dive or a climb, or a leg of its way ends
 
 from __future__ import annotations
 
+from models.kernel.choice import select
 from models.kernel.jit import compiled, internal
 from models.kernel.step import interpolate_one, make_dense
 
@@ -29,11 +30,9 @@ def event_due(y, y1, p, work):
     """Whether the body origin meets the surface or the bed between two states; after a meeting it must first leave."""
     s = p.space[0]
     z = y1[s.depth]
-    if z >= s.rearm_level:
-        work.armed[0] = 1
-    if z <= s.bed_depth - s.rearm_level:
-        work.armed[1] = 1
-    return met(SURFACE, y, y1, p, work) or met(BED, y, y1, p, work)
+    work.armed[0] = select(z >= s.rearm_level, 1, work.armed[0])
+    work.armed[1] = select(z <= s.bed_depth - s.rearm_level, 1, work.armed[1])
+    return met(SURFACE, y, y1, p, work) | met(BED, y, y1, p, work)
 
 
 @internal
@@ -41,7 +40,7 @@ def met(kind, y, y1, p, work):
     """Whether the body origin meets the surface, or the bed, between two states."""
     z = p.space[0].depth
     armed = work.armed[0 if kind == SURFACE else 1] == 1
-    return armed and distance_to(kind, y1[z], p) < 0.0 and distance_to(kind, y[z], p) >= 0.0
+    return armed & (distance_to(kind, y1[z], p) < 0.0) & (distance_to(kind, y[z], p) >= 0.0)
 
 
 @internal
@@ -71,7 +70,7 @@ def find_event(pair, h, y, p, work):
 def stop_side(e, part):
     """Return -1 or 1 where the extension is at the lower or upper stop, else 0."""
     slack = STOP_SHARE * (part.stop_high - part.stop_low)
-    return -1 if e <= part.stop_low + slack else (1 if e >= part.stop_high - slack else 0)
+    return select(e <= part.stop_low + slack, -1, select(e >= part.stop_high - slack, 1, 0))
 
 
 @internal

@@ -80,7 +80,7 @@ def all_finite(y):
     total = 0.0
     for j in range(y.shape[0]):
         total += y[j] * 0.0
-    return total == 0.0 and abs(y[2]) < LARGEST
+    return (total == 0.0) & (abs(y[2]) < LARGEST)
 
 
 @internal
@@ -110,6 +110,35 @@ def sample_step(pair, t, h, until, interval, y, work, record):
             show_controls(row, work, record)
             row += 1
         record.counts[SAMPLES] = row
+
+
+@internal
+def reaches(t, h, end):
+    """Whether a step of h from t ends a segment; one that misses its end by rounding alone does."""
+    return t + h >= end - SAME_TIME * max(1.0, end)
+
+
+@internal
+def conclude_step(pair, t, size, reached, interval, y, p, work, record):
+    """Record events and samples of a step from y at t to `work.y1`; return the status, and the time reached.
+
+    Where an event ends the run, y becomes the state there.
+    """
+    if event_due(y, work.y1, p, work):
+        kind, share = find_event(pair, size, y, p, work)
+        if ends_run(kind, p):
+            sample_step(pair, t, size, t + share * size, interval, y, work, record)
+            interpolate(share, y, work.dense, work.held)
+            copy_state(work.held, y)
+            add_event(t + share * size, kind, -1, record)
+            return AT_SURFACE if kind == SURFACE else AT_BED, t + share * size
+        if record.counts[EVENTS] < record.events.shape[0] - 1:  # the last row is kept for the end of the run
+            add_event(t + share * size, kind, -1, record)
+    sample_step(pair, t, size, reached, interval, y, work, record)
+    if stop_is_new(work.y1, p, work):
+        make_dense(pair, size, y, work)
+        scan_stops(t, size, y, work.y1, p, work, record)
+    return RUNNING, reached
 
 
 @compiled
@@ -145,7 +174,7 @@ def integrate(pair, begin, duration, step, interval, max_steps, y, p, work, reco
         segment_end = min(enter_segment(t, y, p, work, record), duration)
         segment_begin, taken = t, 0
         while t < segment_end and status == RUNNING:
-            ends_segment = h >= (segment_end - t) * (1.0 - 1e-12)
+            ends_segment = reaches(t, h, segment_end)
             size = segment_end - t if ends_segment else h
             if pair:
                 error, counts[WORST] = pair_step(t, size, y, p, work)
@@ -175,26 +204,12 @@ def integrate(pair, begin, duration, step, interval, max_steps, y, p, work, reco
             taken += 1
             counts[ACCEPTED] += 1
             reached = segment_end if ends_segment else (t + size if pair else segment_begin + taken * step)
-            if event_due(y, work.y1, p, work):
-                kind, share = find_event(pair, size, y, p, work)
-                if ends_run(kind, p):
-                    sample_step(pair, t, size, t + share * size, interval, y, work, record)
-                    interpolate(share, y, work.dense, work.held)
-                    copy_state(work.held, y)
-                    t += share * size
-                    add_event(t, kind, -1, record)
-                    status = AT_SURFACE if kind == SURFACE else AT_BED
-                    continue
-                if counts[EVENTS] < record.events.shape[0] - 1:  # the last row is kept for the end of the run
-                    add_event(t + share * size, kind, -1, record)
-            sample_step(pair, t, size, reached, interval, y, work, record)
-            if stop_is_new(work.y1, p, work):
-                make_dense(pair, size, y, work)
-                scan_stops(t, size, y, work.y1, p, work, record)
+            status, t = conclude_step(pair, t, size, reached, interval, y, p, work, record)
+            if status != RUNNING:
+                continue
             copy_state(work.y1, y)
             settle(y, p)
             copy_state(work.k[last], work.k[0])
-            t = reached
             record.control[PROGRESS] = t
             if record.control[CANCEL] != 0.0:
                 status = CANCELLED

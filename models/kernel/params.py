@@ -69,7 +69,7 @@ class Params(NamedTuple):
     coefficients: NDArray[np.float64]  # (14,): COEFFICIENT_NAMES, or LATERAL_NAMES and zeros
     grid_alpha: NDArray[np.float64]  # (a,) breaks of the table over both angles, rad
     grid_beta: NDArray[np.float64]  # (b,)
-    grid: NDArray[np.float64]  # ((a - 1) (b - 1), 6, 4, 4): c of sum c_ij ds^i dt^j for X Y Z K M N of each cell
+    grid: NDArray[np.float64]  # ((a - 1) (b - 1), 96): of each cell c_ij of sum c_ij ds^i dt^j, 4 x 4 for X, ... N
     water: NDArray[np.float64]  # (levels + 2, 6): z, c0..c3 of the density in powers of depth below z, pressure at z
     current: NDArray[np.float64]  # (times * levels, 9): z, c0..c3 of the velocity north, c0..c3 east
     current_times: NDArray[np.float64]  # (times,) s

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from models.kernel.actuators import balance_with_parts, move_parts
+from models.kernel.choice import select, whole
 from models.kernel.jit import compiled, inlined, internal
 from models.kernel.params import EXTENSIONS, THETA, WORK_ACTUATORS, WORK_WATER, Q, U, W, X, Z
 from models.kernel.scalar import TINY, atan2, sincos
@@ -17,10 +18,10 @@ from models.kernel.scalar import TINY, atan2, sincos
 @internal
 def find_piece(alpha, p):
     """Return the index of the table's piece that holds alpha in [-pi, pi]."""
-    bucket = int((alpha + math.pi) * p.body[0].lookup_scale)
+    bucket = whole((alpha + math.pi) * p.body[0].lookup_scale)
     bucket = min(max(bucket, 0), p.lookup.shape[0] - 1)
     k = p.lookup[bucket]
-    return k + 1 if alpha >= p.table[k + 1, 0] else k
+    return select(alpha >= p.table[k + 1, 0], k + 1, k)
 
 
 @inlined

@@ -6,6 +6,7 @@ arctangent; errors below 2e-16 (`sincos`, |x| < 1e5) and 5e-16 (`atan2`).
 
 from __future__ import annotations
 
+from models.kernel.choice import real, select, whole
 from models.kernel.jit import inlined
 
 TINY = 1e-300
@@ -14,7 +15,7 @@ TINY = 1e-300
 @inlined
 def sincos(x):
     """Return sin(x), cos(x); x in rad, |x| < 1e5."""
-    n = float(int(x * 0.6366197723675814 + (0.5 if x >= 0.0 else -0.5)))
+    n = real(whole(x * 0.6366197723675814 + select(x >= 0.0, 0.5, -0.5)))
     y = ((x - n * 1.57079632673412561417e0) - n * 6.07710050630396597660e-11) - n * 2.02226624879595063154e-21
     q = y * y
     s = 1.58962301576546568060e-10
@@ -31,11 +32,11 @@ def sincos(x):
     c = c * q - 1.38888888888730564116e-3
     c = c * q + 4.16666666666665929218e-2
     c = 1.0 - 0.5 * q + q * q * c
-    quadrant = int(n) & 3
+    quadrant = whole(n) & 3
     odd = (quadrant & 1) == 1
-    sine = c if odd else s
-    cosine = s if odd else c
-    return (-sine if quadrant >= 2 else sine), (-cosine if quadrant == 1 or quadrant == 2 else cosine)
+    sine = select(odd, c, s)
+    cosine = select(odd, s, c)
+    return select(quadrant >= 2, -sine, sine), select((quadrant == 1) | (quadrant == 2), -cosine, cosine)
 
 
 @inlined
@@ -44,10 +45,10 @@ def atan2(y, x):
     ay = abs(y)
     ax = abs(x)
     steep = ay > ax
-    small = ax if steep else ay
-    large = ay if steep else ax
+    small = select(steep, ax, ay)
+    large = select(steep, ay, ax)
     far = small > 0.41421356237309503 * large
-    t = ((small - large) if far else small) / max((small + large) if far else large, TINY)
+    t = select(far, small - large, small) / max(select(far, small + large, large), TINY)
     q = t * t
     r = q * q
     r2 = r * r
@@ -58,7 +59,7 @@ def atan2(y, x):
     even -= r2 * (7.69187620504482999495e-2 + r * 5.83357013379057348645e-2)
     even -= r2 * r2 * 3.65315727442169155270e-2
     angle = t - t * (q * odd + r * even)
-    angle = (0.7853981633974483 + angle) if far else angle
-    angle = (1.5707963267948966 - angle) if steep else angle
-    angle = (3.141592653589793 - angle) if x < 0.0 else angle
-    return -angle if y < 0.0 else angle
+    angle = select(far, 0.7853981633974483 + angle, angle)
+    angle = select(steep, 1.5707963267948966 - angle, angle)
+    angle = select(x < 0.0, 3.141592653589793 - angle, angle)
+    return select(y < 0.0, -angle, angle)

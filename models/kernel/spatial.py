@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from models.kernel.choice import any_of, select, whole
 from models.kernel.jit import compiled, internal
 from models.kernel.planar import solve_symmetric
 from models.kernel.search import last_not_above
@@ -111,10 +112,14 @@ def to_body(rot, x, y):
 def bed_force(depth, sink, p):
     """Return how hard the bed pushes up, N: a spring with damping that never pulls."""
     s = p.space[0]
-    depth -= s.bed_depth
-    if s.bed_ends != 0 or depth <= 0.0:
+    if s.bed_ends != 0:
         return 0.0
-    return max(s.bed_stiffness * depth + s.bed_damping * sink * depth / (depth + BED_SOFTNESS), 0.0)
+    depth -= s.bed_depth
+    touching = depth > 0.0
+    if not any_of(touching):
+        return 0.0
+    push = s.bed_stiffness * depth + s.bed_damping * sink * depth / (depth + BED_SOFTNESS)
+    return select(touching, max(push, 0.0), 0.0)
 
 
 @internal
@@ -214,7 +219,7 @@ def spatial_loads(t, y, p, out):
 def spatial_derivative(t, y, p, drive, dy):
     """Write dy/dt into `dy`: kinematics, accelerations, work rates, extension and battery rates."""
     rot = attitude(y)
-    flow = water_velocity(t, y, int(drive[p.parts.shape[0], 0]), p, rot)
+    flow = water_velocity(t, y, whole(drive[p.parts.shape[0], 0]), p, rot)
     nu_r = through_water(y, flow)
     displaced, power = move_members(t, y, p, drive, dy, rot[6], rot[7], rot[8])
     masses = masses_at(y, p)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from models.kernel.choice import any_of, select
 from models.kernel.jit import compiled, internal
 from models.kernel.planar import evaluate_law
 from models.kernel.scalar import TINY, atan2, sincos
@@ -67,12 +68,11 @@ def coefficient_forces(u, v, w, wx, wy, wz, p):
 
 
 @internal
-def bicubic(cell, j, s, t, p):
-    """Return quantity j of a cell of the table at s, t beyond its corner."""
-    c = p.grid[cell, j]
+def bicubic(row, j, s, t):
+    """Return quantity j of a cell of the table at s, t beyond its corner; `row` holds c_kl of ds^k dt^l of each."""
     total = 0.0
-    for k in range(3, -1, -1):
-        total = total * s + c[k, 0] + t * (c[k, 1] + t * (c[k, 2] + t * c[k, 3]))
+    for k in range(16 * j + 12, 16 * j - 1, -4):
+        total = total * s + row[k] + t * (row[k + 1] + t * (row[k + 2] + t * row[k + 3]))
     return total
 
 
@@ -100,21 +100,24 @@ def angle_forces(u, v, w, p):
     """
     v2 = u * u + v * v + w * w
     alpha_now, beta_now = atan2(w, u), atan2(v, math.sqrt(u * u + w * w))
-    alpha = min(max(alpha_now, p.grid_alpha[0]), p.grid_alpha[-1])
-    beta = min(max(beta_now, p.grid_beta[0]), p.grid_beta[-1])
-    i = min(last_not_above(alpha, p.grid_alpha), p.grid_alpha.shape[0] - 2)
-    j = min(last_not_above(beta, p.grid_beta), p.grid_beta.shape[0] - 2)
-    cell = i * (p.grid_beta.shape[0] - 1) + j
+    last_alpha, last_beta = p.grid_alpha.shape[0] - 1, p.grid_beta.shape[0] - 1
+    alpha = min(max(alpha_now, p.grid_alpha[0]), p.grid_alpha[last_alpha])
+    beta = min(max(beta_now, p.grid_beta[0]), p.grid_beta[last_beta])
+    i = min(last_not_above(alpha, p.grid_alpha), last_alpha - 1)
+    j = min(last_not_above(beta, p.grid_beta), last_beta - 1)
+    row = p.grid[i * last_beta + j]
     s, t = alpha - p.grid_alpha[i], beta - p.grid_beta[j]
-    x, y, z = v2 * bicubic(cell, 0, s, t, p), v2 * bicubic(cell, 1, s, t, p), v2 * bicubic(cell, 2, s, t, p)
-    if alpha != alpha_now or beta != beta_now:
-        x, y, z = to_flow(alpha, beta, x, y, z)
-        x, y, z = from_flow(alpha_now, beta_now, x, y, z)
+    x, y, z = v2 * bicubic(row, 0, s, t), v2 * bicubic(row, 1, s, t), v2 * bicubic(row, 2, s, t)
+    beyond = (alpha != alpha_now) | (beta != beta_now)
+    if any_of(beyond):
+        drag, side, lift = to_flow(alpha, beta, x, y, z)
+        held_x, held_y, held_z = from_flow(alpha_now, beta_now, drag, side, lift)
+        x, y, z = select(beyond, held_x, x), select(beyond, held_y, y), select(beyond, held_z, z)
     b = p.space[0]
     mx, my, mz = cross(b.reference_x, b.reference_y, b.reference_z, x, y, z)
     return (
         x, y, z,
-        v2 * bicubic(cell, 3, s, t, p) + mx, v2 * bicubic(cell, 4, s, t, p) + my, v2 * bicubic(cell, 5, s, t, p) + mz,
+        v2 * bicubic(row, 3, s, t) + mx, v2 * bicubic(row, 4, s, t) + my, v2 * bicubic(row, 5, s, t) + mz,
     )  # fmt: skip
 
 

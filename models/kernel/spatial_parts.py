@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from models.kernel.actuators import extension_rate, volume_and_slope
+from models.kernel.choice import any_of, select
 from models.kernel.jit import internal
 from models.kernel.scalar import sincos
 from models.kernel.spatial_layout import EXTENSIONS, P, Q, R, U, V, W, Z
@@ -51,7 +52,7 @@ def cell_at(e, travel, i, p):
     stack = volume - part.core_volume
     moment = half * stack
     reach = abs(half)
-    shift = min(max(moment / volume, -reach), reach) if volume > 0.0 else 0.0
+    shift = select(volume > 0.0, min(max(moment / select(volume > 0.0, volume, 1.0), -reach), reach), 0.0)
     return volume, slope, shift, moment, 0.5 * part.grows * stack + half * slope
 
 
@@ -102,10 +103,12 @@ def squeezed_by(head, per_bulk):
     The law ends where nothing is left.
     """
     pressed = max(head, 0.0)
-    if pressed * per_bulk >= 1.0:
-        return 1.0, 0.5 / per_bulk
     share = pressed * per_bulk
-    return share, head - 0.5 * share * pressed
+    integral = head - 0.5 * share * pressed
+    gone = share >= 1.0
+    if any_of(gone):
+        return select(gone, 1.0, share), select(gone, 0.5 / per_bulk, integral)
+    return share, integral
 
 
 @internal
@@ -216,7 +219,7 @@ def volume_under_pressure(y, i, kx, ky, kz, p):
 def energy_taken(work, i, p):
     """Return what the battery gives for `work` of part i's actuator; where that is negative, what it gets back."""
     m = p.members[i]
-    return work * (m.per_efficiency if work > 0.0 else m.recovery)
+    return work * select(work > 0.0, m.per_efficiency, m.recovery)
 
 
 @internal
@@ -239,8 +242,9 @@ def move_members(t, y, p, drive, dy, kx, ky, kz):
         rate = extension_rate(t, e, p.parts[i], drive[i])
         dy[EXTENSIONS + i] = rate
         dy[EXTENSIONS + n + i] = 0.0
-        if rate != 0.0:
+        moving = rate != 0.0
+        if any_of(moving):
             force, billed, kinetic = work_of_part(y, i, cell, kx, ky, kz, p)
-            power += rate * (force + kinetic)
-            dy[EXTENSIONS + n + i] = energy_taken(rate * billed, i, p)
+            power += select(moving, rate * (force + kinetic), 0.0)
+            dy[EXTENSIONS + n + i] = select(moving, energy_taken(rate * billed, i, p), 0.0)
     return (mass, mx, my, mz, potential), power

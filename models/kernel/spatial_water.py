@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from models.kernel.choice import any_of, select
 from models.kernel.jit import internal
 
 
@@ -28,24 +29,23 @@ def felt_by_part(z, half_height, p):
     integral of density times share times g, so that the force is its slope and energy is conserved exactly.
     """
     density, pressure = density_and_pressure(z, p)
-    if z >= half_height or half_height <= 0.0:
+    emerging = (z < half_height) & (half_height > 0.0)
+    if not any_of(emerging):
         return density, pressure
     s = max(0.5 * (z / half_height + 1.0), 0.0)
     head = p.space[0].gravity * density * 2.0 * half_height * s * s * s * (1.0 - 0.5 * s)
-    return density * s * s * (3.0 - 2.0 * s), head
+    return select(emerging, density * s * s * (3.0 - 2.0 * s), density), select(emerging, head, pressure)
 
 
 @internal
 def current_row(z, first, p):
     """Return the row of the current that holds at depth z, of the profile that begins at row `first`, by bisection."""
-    low, high = 0, p.space[0].levels
-    while high - low > 1:
-        middle = (low + high) // 2
-        if p.current[first + middle, 0] <= z:
-            low = middle
-        else:
-            high = middle
-    return first + low
+    row, rows = first, p.space[0].levels
+    while rows > 1:
+        half = rows >> 1
+        row = select(p.current[row + half, 0] <= z, row + half, row)
+        rows -= half
+    return row
 
 
 @internal
@@ -72,10 +72,12 @@ def current_at(z, t, j, p):
     levels = p.space[0].levels
     row = current_row(z, j * levels, p)
     x, y, x_z, y_z = velocity_of_row(z, row, p)
-    if j == last or t < p.current_times[0]:
+    changing = (j < last) & (t >= p.current_times[0])
+    if not any_of(changing):
         return x, y, x_z, y_z, 0.0, 0.0
-    x1, y1, x1_z, y1_z = velocity_of_row(z, row + levels, p)
-    per_time = 1.0 / (p.current_times[j + 1] - p.current_times[j])
+    x1, y1, x1_z, y1_z = velocity_of_row(z, select(changing, row + levels, row), p)
+    span = p.current_times[select(changing, j + 1, j)] - p.current_times[j]
+    per_time = select(changing, 1.0 / span, 0.0)
     share = (t - p.current_times[j]) * per_time
     return (
         x + share * (x1 - x), y + share * (y1 - y), x_z + share * (x1_z - x_z), y_z + share * (y1_z - y_z),

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from models.kernel import tableau
+from models.kernel.choice import select
 from models.kernel.jit import compiled, inlined, internal
 from models.kernel.model import derivative
 
@@ -56,10 +57,9 @@ def pair_step(t, h, y, p, work):
         for m in range(2, 7):
             error += E[m] * k[m, j]
         error = abs(h * error) / p.error_scale[j]
-        if not error <= worst:
-            worst, where = error, j
-        if math.isnan(worst):  # the worst error of all, which no later one replaces
-            return worst, where
+        # no number is the worst error of all, which no later one replaces
+        worse = ((error > worst) | (error != error)) & (worst == worst)
+        worst, where = select(worse, error, worst), select(worse, j, where)
     return worst, where
 
 

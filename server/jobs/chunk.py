@@ -27,7 +27,7 @@ from server.jobs.trajectories import write_trajectories
 from server.jobs.worker import processor
 
 log = logging.getLogger(__name__)
-AT_ONCE = 32
+AT_ONCE = 128
 """Most cases in memory at once; a multiple of the lanes of the kernel."""
 NUMBERS_AT_ONCE = 8_000_000
 """About how many numbers the results of those may hold."""
@@ -123,7 +123,7 @@ def _runs(ready: Sequence[Assembly], task: ChunkTask) -> list[Run | str]:
 
 def _run_alone(assembly: Assembly, task: ChunkTask) -> Run | str:
     try:
-        return run_batch([assembly], limits=task.limits)[0]
+        return next(iter(run_batch([assembly], limits=task.limits)))
     except Exception as error:
         return f"a fault of the program: {type(error).__name__}: {error}"
 

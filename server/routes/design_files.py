@@ -83,7 +83,10 @@ def export_design(design_id: str, store: Store) -> Response:
 )  # fmt: skip
 def export_designs(
     store: Store,
-    ids: Annotated[str, Query(max_length=30_000, description="Identifiers, with commas; if not given, all.")] = "",
+    ids: Annotated[
+        str,
+        Query(max_length=30_000, pattern="^[0-9A-Za-z, ]*$", description="Identifiers, with commas; if not given, all."),
+    ] = "",
     tag: TagFilter = None,
 ) -> Response:
     """Answer a zip with a file for each design, and a manifest of their tags and revisions; `:import` takes it back."""
