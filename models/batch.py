@@ -148,7 +148,7 @@ def _joined(arrays: list[NDArray[np.generic]], spans: NDArray[np.int64], name: s
     if name in EVEN:
         ends = np.cumsum([len(a) for a in arrays])
         spans[:, 0], spans[:, 1] = ends - [len(a) for a in arrays], ends
-        return np.concatenate(arrays)
+        return _end_to_end(arrays)
     places: dict[Hashable, int] = {}
     kept: list[NDArray[np.generic]] = []
     end = 0
@@ -159,7 +159,15 @@ def _joined(arrays: list[NDArray[np.generic]], spans: NDArray[np.int64], name: s
             kept.append(array)
             end += len(array)
         spans[k] = places[content], places[content] + len(array)
-    return np.concatenate(kept)
+    return _end_to_end(kept)
+
+
+def _end_to_end(arrays: list[NDArray[np.generic]]) -> NDArray[np.generic]:
+    """Return arrays of one type one after another; records by their bytes, for NumPy compares them field by field."""
+    if arrays[0].dtype.fields is None:
+        return np.concatenate(arrays)
+    joined: NDArray[np.generic] = np.frombuffer(bytearray().join(a.tobytes() for a in arrays), dtype=arrays[0].dtype)
+    return joined
 
 
 def _rooms(capacities: list[int], states: int, shown: int) -> tuple[NDArray[np.int64], Record]:
