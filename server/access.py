@@ -75,6 +75,14 @@ def is_known_host(connection: HTTPConnection, settings: Settings) -> bool:
     return name in {host.strip("[]").lower() for host in (settings.host, *settings.allowed_hosts)}
 
 
+def _authority_of(origin: str) -> str | None:
+    """Return the host and port of an origin; None where it is not one."""
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return None
+
+
 def is_same_origin(connection: HTTPConnection, *, required: bool) -> bool:
     """Whether a request comes from our own pages: its Origin is its Host.
 
@@ -84,7 +92,7 @@ def is_same_origin(connection: HTTPConnection, *, required: bool) -> bool:
     if origin is None:
         return not required and connection.headers.get("sec-fetch-site", "none") in ("none", "same-origin")
     host = connection.headers.get("host", "")
-    return host != "" and urlsplit(origin).netloc == host
+    return host != "" and _authority_of(origin) == host
 
 
 class SiteGate:

@@ -54,7 +54,7 @@ class Settings(BaseSettings):
     )  # fmt: skip
     scheduler: str | None = Field(
         default=None, pattern=r"^(tcp|tls|ws|wss)://.",
-        description="Address of a Dask scheduler that computes jobs, as tcp://host:8786; a pool of processes if not given.",
+        description="Address of a Dask scheduler for jobs, as tcp://host:8786; else a pool of processes.",
     )  # fmt: skip
     workers: int | None = Field(
         default=None, ge=1, le=1024, description="Processes of the pool; one a core if not given."

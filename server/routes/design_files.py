@@ -85,7 +85,7 @@ def export_designs(
     store: Store,
     ids: Annotated[
         str,
-        Query(max_length=30_000, pattern="^[0-9A-Za-z, ]*$", description="Identifiers, with commas; if not given, all."),
+        Query(max_length=30_000, pattern="^[0-9A-Za-z, ]*$", description="Identifiers, with commas; else all."),
     ] = "",
     tag: TagFilter = None,
 ) -> Response:

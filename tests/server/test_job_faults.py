@@ -1,4 +1,4 @@
-"""Workers and servers are killed in mid-batch: nothing is lost, nothing counts twice, and no number changes by a bit."""
+"""Workers and servers are killed in mid-batch: nothing is lost or counted twice, and no number changes by a bit."""
 
 from __future__ import annotations
 
