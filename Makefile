@@ -70,6 +70,8 @@ docs: setup-dev
 	$(BIN)/python -m docs.make_quad_glider
 	$(BIN)/python -m docs.make_control
 	$(BIN)/python -m docs.make_validation
+	$(BIN)/python -m docs.make_operations
+	$(BIN)/python -m docs.make_batch
 
 presets: setup
 	$(BIN)/python -m models.presets.build

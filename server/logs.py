@@ -49,5 +49,5 @@ def configure_logging(kind: Literal["text", "json"], level: str, *, stream: Text
     handler.setFormatter(json_formatter() if kind == "json" else TextFormatter())
     handler.addFilter(RequestFilter())
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
-    for chatty in ("httpx", "httpcore", "websockets", "matplotlib", "numba", "asyncio", "h5py"):
+    for chatty in ("httpx", "httpcore", "websockets", "matplotlib", "numba", "asyncio", "h5py", "alembic"):
         logging.getLogger(chatty).setLevel(logging.WARNING)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from studio.analysis_arguments import ANALYSES, add_analyses, add_controller
+from studio.batch_arguments import add_batch
 from studio.commands_equations import add_equations, equations
 from studio.exit_codes import DONE, MEANING, STOPPED
 
@@ -105,6 +106,7 @@ def _parser() -> argparse.ArgumentParser:
     add_controller(
         commands.add_parser("design-controller", help="design state feedback, or first gains of loops", epilog=MEANING)
     )
+    add_batch(commands.add_parser("batch", help="run a sweep, a Monte Carlo or a sensitivity study", epilog=MEANING))
     presets = commands.add_parser("presets", help="list the presets, or print one as JSON", epilog=MEANING)
     presets.add_argument("preset", nargs="?", help="print this preset's design document")
     return parser
@@ -134,6 +136,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from studio.commands_control import design_controller
 
             return design_controller(options)
+        if options.command == "batch":
+            from studio.commands_batch import batch
+
+            return batch(options)
         from studio import commands
 
         if options.command == "simulate":

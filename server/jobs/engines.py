@@ -134,7 +134,8 @@ class ProcessEngine(_ExecutorEngine):
         context = multiprocessing.get_context("spawn")
         with _environment(dict.fromkeys(THREADS, "1")):
             pool = ProcessPoolExecutor(self.workers, context, begin_worker, (os.getpid(),))
-            pool.submit(os.getpid)  # starts all processes, while the environment is set
+            for _ in range(self.workers):  # each starts a process, while the environment is set
+                pool.submit(os.getpid)
         return pool
 
     def stop(self) -> None:

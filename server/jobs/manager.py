@@ -133,12 +133,17 @@ class Manager:
                 self._end(active)
 
     def _begin(self, job: Job) -> None:
+        written = self.store.written(job.id)
         try:
-            plan = plan_of(job.spec)
+            active = ActiveJob(job, plan_of(job.spec), self.files(job.id), written=written, limits=self._limits)
         except DesignError as error:  # written by another version of the program
             self._settle(job.id, state="failed", reason=f"its document cannot be read any more: {error}")
             return
-        active = ActiveJob(job, plan, self.files(job.id), written=self.store.written(job.id), limits=self._limits)
+        except Exception as error:
+            log.exception("job %s cannot begin", job.id)
+            reason = f"a fault of the program as it began: {type(error).__name__}: {error}"
+            self._settle(job.id, state="failed", reason=reason)
+            return
         self._active[job.id] = active
         if job.state == "queued":
             self.store.change(job.id, self.owner, state="running", started=job.started or time.time())

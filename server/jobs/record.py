@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -29,6 +29,12 @@ def record_of(job: Job, *, failures: Sequence[Failure]) -> dict[str, Any]:
         "failures": [{"reason": f.reason, "count": f.count, "case": f.case} for f in failures],
         "stopped_early": job.stopped_at is not None,
     }  # fmt: skip
+
+
+def told_in_files(job: Job, record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a file of results says of its job."""
+    shown = ("id", "kind", "state", "created", "finished", "checksum", "design", "engine", "stopped_early")
+    return {"title": job.name} | {name: record[name] for name in shown} | {"batch_document": job.spec}
 
 
 def moment(seconds: float | None) -> str | None:

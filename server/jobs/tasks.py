@@ -38,7 +38,7 @@ class TaskMaker:
         self._plan, self._limits = plan, limits
         self._design = plan.design.model_dump_json()
         spec = plan.spec
-        self._metrics = json.dumps(None if spec.metrics is None else list(spec.metrics))
+        self._metrics = json.dumps(spec.model_dump(mode="json", include={"metrics"})["metrics"])
         self._columns = columns_of(plan)
         self._keep = spec.trajectories if isinstance(spec.trajectories, str) else frozenset(spec.trajectories)
 

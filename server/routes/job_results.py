@@ -20,8 +20,8 @@ from server.dependencies import OneJob, SharedJobs, SharedRunner
 from server.jobs.files import DiskFullError
 from server.jobs.formats import file_blocks, mat_file, netcdf_file, parquet_file, stream_csv, stream_json
 from server.jobs.matlab import TooLargeError
+from server.jobs.record import told_in_files
 from server.jobs.results import LostResultsError, Results
-from server.jobs.service import Jobs
 from server.jobs.spec import Sensitivity
 from server.jobs.summary import summarize
 from server.openapi import operation
@@ -180,7 +180,7 @@ def get_results(
     """
     media = MEDIA[format] if format is not None else negotiate(accept, tuple(MEDIA.values()))
     with _told():
-        content = _content(results, media, _about(jobs, job))
+        content = _content(results, media, told_in_files(job, jobs.record(job)))
     return StreamingResponse(content, media_type=media, headers=_attached(job, media))
 
 
@@ -192,13 +192,6 @@ def _content(results: Results, media: str, about: dict[str, Any]) -> Iterator[by
     if media == PARQUET:
         return file_blocks(parquet_file(results))
     return file_blocks(netcdf_file(results, about) if media == NETCDF else mat_file(results, about))
-
-
-def _about(jobs: Jobs, job: Job) -> dict[str, Any]:
-    """Return what a file says of its job."""
-    record = jobs.record(job)
-    shown = ("id", "kind", "state", "created", "finished", "checksum", "design", "engine", "stopped_early")
-    return {"title": job.name} | {name: record[name] for name in shown} | {"batch_document": job.spec}
 
 
 def _attached(job: Job, media: str, what: str = "") -> dict[str, str]:

@@ -359,3 +359,25 @@ def test_chunks_are_sized_by_time_count_and_memory(monkeypatch):
     kept = size(10**9, 0.001, trajectories="all")
     samples = 4.0 / 0.05 + 2
     assert kept * samples * submission.COLUMNS_OF_RUN <= submission.MOST_NUMBERS < (kept + 16) * samples * 70
+
+
+def test_composed_metrics_are_measured(jobs):
+    deepest = {"name": "deepest early on", "kind": "statistic", "of": "z", "statistic": "maximum",
+               "over": {"kind": "time", "begin": 0.0, "end": 2.0}}  # fmt: skip
+    share = {"name": "share", "kind": "ratio", "of": ["final_depth", deepest]}
+    job = finished(jobs, jobs.submit(sweep(4, metrics=["final_depth", deepest, share]))[0])
+    assert job.state == "succeeded"
+    for row in assert_whole(jobs, job).to_pylist():
+        assert row["share"] == pytest.approx(row["final_depth"] / row["deepest early on"], rel=1e-12)
+
+
+def test_a_job_that_cannot_begin_fails_and_holds_nobody_up(tmp_path, monkeypatch):
+    def broken(document):
+        raise RuntimeError("a slip")
+
+    with monkeypatch.context() as patch, running(open_at(tmp_path)) as jobs:
+        patch.setattr("server.jobs.manager.plan_of", broken)
+        job = finished(jobs, jobs.submit(sweep(3))[0])
+        assert job.state == "failed" and "a slip" in job.reason
+        patch.undo()
+        assert finished(jobs, jobs.submit(sweep(3), fresh=True)[0]).state == "succeeded"

@@ -227,7 +227,7 @@ def with_design(**change):
     ],
 )  # fmt: skip
 def test_errors_are_a_line(monkeypatch, capsys, document, arguments, code, says):
-    monkeypatch.setattr(engines, "CONNECT_WITHIN", 0.3)
+    monkeypatch.setitem(engines.DaskEngine.__init__.__kwdefaults__, "within", 0.3)
     Path("spec.txt").write_text("not JSON")
     assert main(["batch", write(document), *arguments]) == code
     told = capsys.readouterr().err.splitlines()
