@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import numba
@@ -27,14 +28,14 @@ TOGETHER = 512
 """Designs that are flown before the first of their runs is handed out."""
 NUMBERS_TOGETHER = 20_000_000
 """Numbers of their samples that are in memory at once; a design that has more flies alone."""
-LAWS, MOVES = ("law_start", "law_count"), lane_arrays.ALIKE
+LAWS, MOVES = lane_arrays.LAWS, lane_arrays.ALIKE
 SWITCHES = tuple(name for name in SPACE.names or () if SPACE[name].kind == "i")
 EVEN = ("commands", *WOVEN)
 """Fields that every design has for itself; equal ones of the others are kept once."""
 
 
-def can_share_lanes(assembly: Assembly) -> bool:
-    """Whether a design can be flown in lanes, which exist in compiled code alone."""
+def lanes_exist() -> bool:
+    """Whether designs can be flown in lanes, which exist in compiled code alone."""
     return not numba.config.DISABLE_JIT  # type: ignore[attr-defined]
 
 
@@ -43,13 +44,15 @@ def run_batch(
 ) -> Iterator[Run]:
     """Yield the run of each assembled design in order, as `run_assembly` would return it.
 
-    No bit of a run depends on which others are flown with it. `control` stops them all, each where it is; of those that
-    have not begun there is the first step. Its `time_reached` is the sum over the runs that have ended.
+    No bit of a run depends on which others are flown with it. Lanes pay where eight or more designs are alike in sizes
+    and switches (`_likeness`); fewer fly in part-empty lanes, which may take longer than alone. `control` stops them
+    all, each where it is; of those that have not begun there is the first step. Its `time_reached` is the sum over the
+    runs that have ended.
     """
     first = 0
     while first < len(assemblies):
         last = _end_of_window(assemblies, first)
-        yield from _fly_window(assemblies[first:last], limits, control or Control())
+        yield from _fly_window(assemblies[first:last], limits, control)
         first = last
 
 
@@ -62,17 +65,19 @@ def _end_of_window(assemblies: Sequence[Assembly], first: int) -> int:
     return min(first + TOGETHER, len(assemblies))
 
 
-def _fly_window(window: Sequence[Assembly], limits: Limits, control: Control) -> list[Run]:
+def _fly_window(window: Sequence[Assembly], limits: Limits, control: Control | None) -> Iterator[Run]:
+    """Fly designs; each run is made as it is handed out, for its outputs take far more room than its states."""
+    if not lanes_exist():
+        yield from (run_assembly(assembly, limits=limits, control=control) for assembly in window)
+        return
     groups: dict[Hashable, list[int]] = {}
-    runs: dict[int, Run] = {}
     for k, assembly in enumerate(window):
-        if can_share_lanes(assembly):
-            groups.setdefault(_likeness(assembly), []).append(k)
-        else:
-            runs[k] = run_assembly(assembly, limits=limits, control=control)
+        groups.setdefault(_likeness(assembly), []).append(k)
+    flown: dict[int, Callable[[], Run]] = {}
     for members in groups.values():
-        runs |= zip(members, _fly_group([window[k] for k in members], limits, control), strict=True)
-    return [runs[k] for k in range(len(window))]
+        flown |= zip(members, _fly_group([window[k] for k in members], limits, control or Control()), strict=True)
+    for k in range(len(window)):
+        yield flown.pop(k)()
 
 
 def _likeness(assembly: Assembly) -> Hashable:
@@ -84,7 +89,8 @@ def _likeness(assembly: Assembly) -> Hashable:
         for records, names in ((p.parts, LAWS), (p.space, SWITCHES), (p.members, MOVES))
         for name in names
     ]
-    return method, sizes, tuple(switches), p.table.shape[1], len(assembly.initial_state), _shown(assembly)
+    columns = tuple(array.shape[1:] for array in p)
+    return method, sizes, tuple(switches), columns, len(assembly.initial_state), _shown(assembly)
 
 
 def _shown(assembly: Assembly) -> int:
@@ -96,13 +102,18 @@ def _capacity(assembly: Assembly) -> int:
     return math.ceil(mission.duration / mission.solver.output_interval) + 2
 
 
-def _fly_group(group: list[Assembly], limits: Limits, control: Control) -> list[Run]:
+def _fly_group(group: list[Assembly], limits: Limits, control: Control) -> list[Callable[[], Run]]:
+    """Fly designs that share lanes; return what makes the run of each."""
     cases = cases_of(group, control)
     hold = hold_for(cases)
     began = time.perf_counter()
     fly_lanes(group[0].design.mission.solver.method == "adaptive", limits.steps, cases, hold)
     elapsed = (time.perf_counter() - began) / len(group)
-    return [make_run(assembly, _record_of(k, cases), int(cases.codes[k]), elapsed) for k, assembly in enumerate(group)]
+
+    def run_of(k: int) -> Run:
+        return make_run(group[k], _record_of(k, cases), int(cases.codes[k]), elapsed)
+
+    return [partial(run_of, k) for k in range(len(group))]
 
 
 def hold_for(cases: Cases) -> Hold:

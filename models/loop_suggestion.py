@@ -18,12 +18,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from models.allocation import AXES, Effectiveness, authority, effectiveness
 from models.assemble import Assembly
@@ -114,6 +116,19 @@ class LoopSuggestion:
         }  # fmt: skip
 
 
+@contextmanager
+def _gains_within_limits() -> Iterator[None]:
+    """Tell of gains that no document of a controller may hold, as a vehicle asks for that no water would carry."""
+    try:
+        yield
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        message = f"the gains that suit this vehicle are beyond their limits: {first['loc'][0]} {first['input']:.3g}"
+        hint = "check masses, added mass, volumes and areas: some are far too large or too small"
+        raise DesignError([Problem("/vehicle", message, hint=hint)]) from error
+
+
+@_gains_within_limits()
 def suggest_loops(
     design: Design | Assembly, trim: Trim | OperatingPoint, *, heading: float = 0.0, sample_time: float = 1.0,
     delay: float = 0.0,
@@ -126,7 +141,8 @@ def suggest_loops(
     Raises
     ------
     DesignError
-        Where the cells cannot make a pitch moment (or roll moment, with a spatial model) apart from the others.
+        Where the cells cannot make a pitch moment (or roll moment, with a spatial model) apart from the others, the
+        motion turns, or the gains are beyond their limits.
 
     """
     point = point_of(trim, heading=0.0) if isinstance(trim, Trim) else trim
@@ -138,6 +154,8 @@ def suggest_loops(
     options = ControllerOptions(sample_time=sample_time, delay=delay)
     problem = feedback_problem(assembly, point, options)
     model = problem.model
+    if spatial and "psi" not in model.state_names:
+        _refuse_turning(point)
     problem = replace(problem, states=tuple(n for n in motion if n in model.state_names))
     pitch = axis_model(problem, cells, "theta")
     axes = [pitch]
@@ -325,6 +343,13 @@ def _refuse_unheld(cells: Effectiveness, spatial: bool) -> None:
         message = f"the cells cannot make {' and '.join(missing)} moments apart from the other axes"
         hint = "design a state feedback, which needs no allocation, or add cells"
         raise DesignError([Problem("/vehicle/components", message, hint=hint)])
+
+
+def _refuse_turning(point: OperatingPoint) -> NoReturn:
+    rate = math.hypot(*point.angular_velocity)
+    message = f"the motion turns at {rate:.3g} rad/s, and a heading can only be held on a straight way"
+    hint = "give the trim the target turn_rate 0, or make the vehicle symmetric from port to starboard"
+    raise DesignError([Problem("/options/trim", message, hint=hint)])
 
 
 def _notes(growth: float, damping: float, lateral: Lateral | None) -> Iterator[str]:

@@ -30,7 +30,7 @@ def remembered(
         known: dict[tuple[Hashable, ...], tuple[AboutT, AnswerT]] = {}
 
         @wraps(function)
-        def answer(about: AboutT, *more: Any, **no: Any) -> AnswerT:
+        def answer(about: AboutT, *more: Any) -> AnswerT:
             key = (id(about), *more)
             held = known.get(key)
             if held is not None:  # it holds the description, so no other can have its id

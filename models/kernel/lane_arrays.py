@@ -21,7 +21,9 @@ from models.kernel.spatial_layout import MEMBER, SPACE
 
 intrinsic: Any = extending.intrinsic
 ALIKE = ("moves", "rolls")
-"""Fields that lanes have in common though they are floats; all integers are in common. They are read in the first."""
+"""Fields that lanes have in common though they are floats; so are integers. They are read in the first lane."""
+LAWS = ("law_start", "law_count")
+"""The integers of a part that lanes have in common; its others are each design's own, and lanes cannot read them."""
 
 
 class Woven(types.Type):

@@ -11,6 +11,7 @@ from numba.extending import lower_builtin, lower_getattr, lower_getattr_generic
 
 from models.kernel.lane_arrays import (
     ALIKE,
+    LAWS,
     RECORDS,
     TableRow,
     Tables,
@@ -253,7 +254,7 @@ class RecordFields(AttributeTemplate):
     def generic_resolve(self, record, name):  # type: ignore[override]  # the base has a mark in its place
         """A field is one of lanes, or a number where lanes have it in common."""
         dtype = RECORDS[record.kind]
-        if name not in dtype.names:
+        if name not in dtype.names or (record.kind == "parts" and dtype[name].kind == "i" and name not in LAWS):
             return None
         if not _is_alike(record.kind, name):
             return LANES

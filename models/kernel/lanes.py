@@ -199,7 +199,9 @@ def see_to(pair, lane, hold, cases):
     )  # fmt: skip
     if status == RUNNING:
         unweave(hold.y, lane, y)
-        if t >= cases.numbers[case, DURATION]:
+        if cases.control[CANCEL] != 0.0:
+            status = CANCELLED
+        elif t >= cases.numbers[case, DURATION]:
             status = COMPLETED
         elif taken >= clock[MOST_TAKEN, lane]:
             status = TOO_MANY_STEPS

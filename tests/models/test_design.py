@@ -179,6 +179,14 @@ def test_no_component_is_refused():
     assert pointers_of(changed) == ["/vehicle/components"]
 
 
+def test_a_table_without_rows_is_refused():
+    changed = load_preset("canete-dual-bellows").model_dump(mode="json")
+    table = changed["vehicle"]["hydrodynamics"]
+    table |= {name: [] for name in table if name.startswith("row_")}
+    (problem,) = problems_of(changed)
+    assert problem.pointer == "/vehicle/hydrodynamics" and "the table has no rows" in problem.message
+
+
 def test_times_of_a_schedule_must_rise():
     (problem,) = problems_of(document(control=schedule("Piston", (1.0, 0.001), (1.0, 0.002))))
     assert problem.pointer == "/mission/control/schedules/0"

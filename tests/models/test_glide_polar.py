@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from scipy.optimize import minimize_scalar
 
 from models.assemble import Assembly, assemble
+from models.design import parse_design
 from models.energy import energy_bill
 from models.glide_polar import GLIDING, GlidePolar, PolarCurve, glide_polar, polar_curve
 from models.mass_properties import mass_balance
@@ -151,6 +152,17 @@ def test_without_net_weight_every_point_is_left_out_and_told_why(canete):
     found = polar_curve(canete, 0.0, points=9)
     assert found.points == ()
     assert found.left_out == {"the glider weighs what it displaces: nothing drives a glide": 9}
+
+
+def test_where_all_sink_upright_none_is_the_cheapest():
+    document = load_preset("canete-dual-bellows").model_dump(mode="json")
+    rear = document["vehicle"]["components"][2]
+    document["vehicle"]["mass_properties"] = {"kind": "composite"}
+    rear["mass"] /= 10.0
+    rear["extension_range"] = [0.0, rear["extension_range"][1]]
+    polar = glide_polar(parse_design(document), points=3)
+    assert polar.points and all(trim.horizontal_speed < 1e-9 for trim in polar.points)
+    assert polar.best_energy is None and polar.best_range is not None
 
 
 def test_a_planar_design_has_no_turn(canete):

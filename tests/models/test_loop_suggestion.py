@@ -11,7 +11,7 @@ from models.assemble import assemble
 from models.controller_design import design_controller
 from models.controller_options import ControllerOptions
 from models.controllers import Cascade, DepthBand
-from models.design import Design
+from models.design import Design, parse_design
 from models.loop_response import mission_from
 from models.loop_suggestion import suggest_loops
 from models.mass_properties import mass_balance
@@ -79,6 +79,24 @@ def test_loops_need_moments():
     trim = find_trims(design, extensions={"Front port cell": 0.03, "Rear port cell": 0.045}, depth=50.0).stable[0]
     with pytest.raises(DesignError, match="cannot make roll moments"):
         suggest_loops(design, point_of(trim))
+
+
+def test_a_turn_has_no_heading_to_hold(quad: Design):
+    document = quad.model_dump(mode="json")
+    document["vehicle"]["components"][5]["position"][1] *= 1.01
+    trim = find_trims(design := parse_design(document), depth=50.0).stable[0]
+    assert trim.turn_rate != 0.0
+    with pytest.raises(DesignError, match=f"turns at {abs(trim.turn_rate):.3g} rad/s") as refused:
+        suggest_loops(design, trim)
+    assert refused.value.problems[0].pointer == "/options/trim"
+
+
+def test_gains_beyond_all_limits_are_told(quad: Design):
+    document = quad.model_dump(mode="json")
+    document["vehicle"]["added_mass"]["matrix"][4][4] = 1e9
+    design = parse_design(document)
+    with pytest.raises(DesignError, match="beyond their limits: derivative"):
+        suggest_loops(design, find_trims(design, depth=50.0).solutions[0], sample_time=0.01)
 
 
 def test_a_planar_glider_gets_a_loop_of_pitch_alone():

@@ -1,0 +1,56 @@
+"""Answers are remembered by the object that they are about, and only pure questions may be asked."""
+
+from __future__ import annotations
+
+import pytest
+
+from models.memory import remembered
+
+
+class Thing:
+    """Something that is equal to every other of its value."""
+
+    def __init__(self, value: float) -> None:
+        self.value = value
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Thing) and other.value == self.value
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+
+def asked(most: int):
+    questions: list[tuple[float, float]] = []
+
+    @remembered(most=most)
+    def product(thing: Thing, factor: float) -> float:
+        questions.append((thing.value, factor))
+        return thing.value * factor
+
+    return product, questions
+
+
+def test_the_same_object_is_asked_once_for_each_value():
+    product, questions = asked(10)
+    thing = Thing(3.0)
+    assert [product(thing, f) for f in (2.0, 2.0, 4.0, 2.0)] == [6.0, 6.0, 12.0, 6.0]
+    assert questions == [(3.0, 2.0), (3.0, 4.0)]
+
+
+def test_an_equal_object_is_another():
+    product, questions = asked(10)
+    assert product(Thing(3.0), 2.0) == product(Thing(3.0), 2.0) == 6.0
+    assert len(questions) == 2
+
+
+def test_answers_stay_right_beyond_what_is_kept():
+    """Objects die and others get their places in memory: no answer may be taken for theirs."""
+    product, _ = asked(7)
+    assert [product(Thing(float(k)), 2.0) for k in range(1000)] == [2.0 * k for k in range(1000)]
+
+
+def test_what_the_key_would_not_hold_is_refused():
+    product, _ = asked(10)
+    with pytest.raises(TypeError):
+        product(Thing(3.0), factor=2.0)
