@@ -11,7 +11,7 @@ from datetime import timedelta
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
-from server.store.jobs import Job
+from server.store.job_records import Job
 
 LINE_EVERY = 5.0
 """Seconds from line to line where there is no terminal."""

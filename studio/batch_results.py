@@ -13,7 +13,7 @@ from server.jobs.results import Results
 from server.jobs.service import Jobs
 from server.jobs.spec import Sensitivity, parse_spec
 from server.jobs.summary import summarize
-from server.store.jobs import Job
+from server.store.job_records import Job
 
 
 def write_results(jobs: Jobs, job: Job, folder: Path, formats: Sequence[str]) -> dict[str, Any]:

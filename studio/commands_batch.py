@@ -30,7 +30,7 @@ from server.settings import Settings
 from server.store.database import Database, sqlite_url
 from server.store.designs import DesignStore
 from server.store.errors import StoreError
-from server.store.jobs import Job
+from server.store.job_records import Job
 from studio.batch_arguments import example
 from studio.batch_document import read_document
 from studio.batch_progress import progress, words
@@ -206,6 +206,8 @@ def _terminated_as_interrupted() -> Iterator[None]:
 def _finish(jobs: Jobs, job: Job, options: argparse.Namespace, folder: Path) -> int:
     """Tell how the job ended and write its results, if it is over."""
     print(f"cases       {words(job)}")
+    for warning in jobs.record(job)["warnings"]:
+        complain(options.spec, f"warning: {warning}")
     for failure in jobs.store.failures([job.id])[job.id]:
         complain(options.spec, f"{failure.count} failed, the first of them case {failure.case}: {failure.reason}")
     if job.reason is not None:

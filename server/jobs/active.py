@@ -13,7 +13,7 @@ from server.jobs.plan import Plan
 from server.jobs.task import ChunkResult, ChunkTask
 from server.jobs.tasks import TaskMaker
 from server.jobs.watch import Watch, watch_of
-from server.store.jobs import Job
+from server.store.job_records import Job
 
 WINDOW = 30.0
 """Over how long the rate is taken, s."""

@@ -19,6 +19,8 @@ import pyarrow.parquet as pq
 from server.jobs.task import CRASHED, REFUSED, ColumnInfo
 
 FIXED = ("case", "status", "reason")
+LONGEST_REASON = 400
+"""Most letters that are kept of why a case failed."""
 NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 
 
@@ -34,10 +36,15 @@ class CaseRow:
 
     @property
     def group(self) -> str:
-        """The reason without its numbers, so that failures of one kind are counted together."""
-        if self.status in (CRASHED, REFUSED):
-            return f"{self.status}: {NUMBER.sub('…', self.reason or '')}"[:400]
-        return self.status
+        """Under which reason it is counted with others."""
+        return group_of(self.status, self.reason)
+
+
+def group_of(status: str, reason: str | None) -> str:
+    """Return a failure's reason without its numbers, so that those of one kind are counted together."""
+    if status in (CRASHED, REFUSED):
+        return f"{status}: {NUMBER.sub('…', reason or '')}"[:LONGEST_REASON]
+    return status
 
 
 def is_number(value: object) -> bool:

@@ -15,50 +15,47 @@ from functools import lru_cache
 
 from models.assemble import Assembly, assemble
 from models.batch import run_batch
-from models.design import Design, parse_design
+from models.design import parse_design
 from models.kernel import KERNEL_HASH
 from models.metrics import Metric, evaluate, metrics_for
 from models.problems import DesignError
 from models.run import Run
-from models.variation import Varied
-from server.jobs.case_table import CaseRow, write_table
+from models.variation import Target, Varied
+from server.jobs.case_table import LONGEST_REASON, CaseRow, write_table
 from server.jobs.task import CRASHED, FINE, REFUSED, ChunkResult, ChunkTask
 from server.jobs.trajectories import write_trajectories
 from server.jobs.worker import processor
 
 log = logging.getLogger(__name__)
 AT_ONCE = 128
-"""Most cases in memory at once; a multiple of the lanes of the kernel."""
-NUMBERS_AT_ONCE = 8_000_000
-"""About how many numbers the results of those may hold."""
-COLUMNS_OF_RUN = 70
-"""About how many numbers a sample of a run holds."""
-LONGEST_REASON = 400
+"""Most cases assembled at once, a multiple of the kernel's lanes; their runs are made one by one, and few are kept."""
+PREPARED = 8
+"""Jobs whose shared part is remembered: as many as take turns."""
 
 
 @dataclass(frozen=True)
 class _Prepared:
     """What all chunks of a job share."""
 
-    design: Design
     varied: Varied
     metrics: tuple[Metric, ...]
 
 
-@lru_cache(maxsize=4)
-def _prepare(design: str, targets: tuple[tuple[object, ...], ...], metrics: str) -> _Prepared:
+@lru_cache(maxsize=PREPARED)
+def _prepare(design: str, targets: tuple[tuple[Target, ...], ...], *, metrics: str) -> _Prepared:
     base = parse_design(json.loads(design))
-    return _Prepared(base, Varied(base, targets), metrics_for(base, json.loads(metrics)))  # type: ignore[arg-type]
+    return _Prepared(Varied(base, targets), metrics_for(base, json.loads(metrics)))
 
 
 def run_chunk(task: ChunkTask) -> ChunkResult:
     """Compute a chunk."""
     began = time.perf_counter()
-    shared = _prepare(task.design, task.targets, task.metrics)
+    shared = _prepare(task.design, task.targets, metrics=task.metrics)
     rows: list[CaseRow] = []
     kept: list[tuple[int, Run]] = []
-    for first, part in _parts(task, shared.design):
-        for row, run in _run_part(task, shared, first, part):
+    for begin in range(0, len(task.rows), AT_ONCE):
+        part = task.rows[begin : begin + AT_ONCE]
+        for row, run in _run_part(task, shared, first=task.first + begin, values=part):
             rows.append(row)
             if run is not None and task.keeps(row.case):
                 kept.append((row.case, run))
@@ -82,26 +79,17 @@ def lost_chunk(task: ChunkTask, reason: str) -> ChunkResult:
     return ChunkResult(table, None, len(rows), 0.0, KERNEL_HASH, processor(), _failures(rows))
 
 
-def _parts(task: ChunkTask, design: Design) -> Iterator[tuple[int, Sequence[tuple[object, ...]]]]:
-    """Divide a chunk into what is held in memory at once."""
-    mission = design.mission
-    samples = mission.duration / mission.solver.output_interval + 2
-    size = min(AT_ONCE, max(1, int(NUMBERS_AT_ONCE / (samples * COLUMNS_OF_RUN))))
-    for begin in range(0, len(task.rows), size):
-        yield task.first + begin, task.rows[begin : begin + size]
-
-
 def _run_part(
-    task: ChunkTask, shared: _Prepared, first: int, values: Sequence[tuple[object, ...]]
+    task: ChunkTask, shared: _Prepared, *, first: int, values: Sequence[tuple[object, ...]]
 ) -> Iterator[tuple[CaseRow, Run | None]]:
     prepared = [_assembled(shared, row, task) for row in values]
     ready = [item for item in prepared if isinstance(item, Assembly)]
-    runs = iter(_runs(ready, task))
+    runs = _runs(ready, task)
     for case, (row, item) in enumerate(zip(values, prepared, strict=True), first):
         if isinstance(item, Assembly):
-            yield _judged(case, row, next(runs), shared)
+            yield _judged(row, next(runs), case=case, shared=shared)
         else:
-            yield _refused(case, row, REFUSED, item, shared), None
+            yield _refused(row, item, case=case, status=REFUSED, shared=shared), None
 
 
 def _assembled(shared: _Prepared, row: Sequence[object], task: ChunkTask) -> Assembly | str:
@@ -112,13 +100,16 @@ def _assembled(shared: _Prepared, row: Sequence[object], task: ChunkTask) -> Ass
         return "; ".join(str(problem) for problem in error.problems[:3])
 
 
-def _runs(ready: Sequence[Assembly], task: ChunkTask) -> list[Run | str]:
-    """Return the runs; where the whole part fails, each by itself, so that one case cannot take others with it."""
+def _runs(ready: Sequence[Assembly], task: ChunkTask) -> Iterator[Run | str]:
+    """Yield the runs; where they fail together, the rest one by one, so that one case cannot take others with it."""
+    flown = 0
     try:
-        return list(run_batch(ready, limits=task.limits))
+        for run in run_batch(ready, limits=task.limits):
+            yield run
+            flown += 1
     except Exception:
         log.exception("a part of job %s, chunk %d failed; its cases are run one by one", task.job, task.chunk)
-        return [_run_alone(assembly, task) for assembly in ready]
+        yield from (_run_alone(assembly, task) for assembly in ready[flown:])
 
 
 def _run_alone(assembly: Assembly, task: ChunkTask) -> Run | str:
@@ -128,19 +119,20 @@ def _run_alone(assembly: Assembly, task: ChunkTask) -> Run | str:
         return f"a fault of the program: {type(error).__name__}: {error}"
 
 
-def _judged(case: int, row: Sequence[object], run: Run | str, shared: _Prepared) -> tuple[CaseRow, Run | None]:
+def _judged(row: Sequence[object], run: Run | str, *, case: int, shared: _Prepared) -> tuple[CaseRow, Run | None]:
     if isinstance(run, str):
-        return _refused(case, row, CRASHED, run, shared), None
+        return _refused(row, run, case=case, status=CRASHED, shared=shared), None
     status = run.status.name
     reason = None if status in FINE else run.message[:LONGEST_REASON]
     try:
         return CaseRow(case, status, reason, row, evaluate(run, shared.metrics)), run
     except Exception as error:
         log.exception("the metrics of case %d failed", case)
-        return _refused(case, row, CRASHED, f"its metrics failed: {type(error).__name__}: {error}", shared), run
+        reason = f"its metrics failed: {type(error).__name__}: {error}"
+        return _refused(row, reason, case=case, status=CRASHED, shared=shared), run
 
 
-def _refused(case: int, row: Sequence[object], status: str, reason: str, shared: _Prepared) -> CaseRow:
+def _refused(row: Sequence[object], reason: str, *, case: int, status: str, shared: _Prepared) -> CaseRow:
     return CaseRow(case, status, reason[:LONGEST_REASON], row, [math.nan] * len(shared.metrics))
 
 

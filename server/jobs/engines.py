@@ -1,41 +1,40 @@
-"""Owns who computes: this process, spawned processes, or a Dask cluster, all as `concurrent.futures.Executor`.
-
-A task sent to Dask is pickled by distributed and run by its workers with this program installed: that link is trusted,
-and secured by Dask's own TLS settings.
-"""
+"""Owns who computes: this process, spawned processes, or a Dask cluster, all as `concurrent.futures.Executor`."""
 
 from __future__ import annotations
 
-import logging
 import multiprocessing
 import os
 import threading
+import time
 from collections.abc import Mapping
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from models.warm import warm_batch
+from server.jobs.dask_executor import DaskExecutor, EngineLostError
 from server.jobs.worker import THREADS, begin_worker
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-log = logging.getLogger(__name__)
+__all__ = ["DaskEngine", "Engine", "EngineLostError", "ProcessEngine", "SerialEngine", "make_engine"]
+START_WITHIN = 60.0
+"""How long the first worker process may take to start, s."""
 CONNECT_WITHIN = 10.0
 """How long a connection to a Dask scheduler may take, s."""
-
-
-class EngineLostError(Exception):
-    """Whoever computes cannot be reached; what was sent is to be sent again."""
+ANSWER_WITHIN = 2.0
+"""How long whoever only asks waits for a scheduler's answer, or for a connection that is being made, s."""
+ASK_EVERY = 3.0
+"""How often a scheduler is asked how many workers it has, s."""
 
 
 class Engine(Protocol):
     """Computes chunks.
 
-    `workers` is how many at once; `blames` says whether an error means that a worker died with a chunk, and
-    `repeats_by_itself` that it has already been tried elsewhere.
+    `workers` is how many at once; `blames` says whether an error means that a worker died with a chunk, `lost` whether
+    it means that nobody could be reached, and `repeats_by_itself` that a chunk has already been tried elsewhere.
     """
 
     name: str
@@ -47,7 +46,7 @@ class Engine(Protocol):
         ...
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
-        """Send work; raises `EngineLostError` where nobody can be reached."""
+        """Send work; raises `EngineLostError`, and nothing else, where it cannot be sent."""
         ...
 
     def restart(self) -> None:
@@ -56,6 +55,10 @@ class Engine(Protocol):
 
     def blames(self, error: BaseException) -> bool:
         """Whether an error says that the chunk's worker died."""
+        ...
+
+    def lost(self, error: BaseException) -> bool:
+        """Whether an error is of the way to the workers, not of the chunk, which is to be sent again."""
         ...
 
     def check(self) -> None:
@@ -68,38 +71,63 @@ class Engine(Protocol):
 
 
 class _ExecutorEngine:
-    """What all engines share: an executor made when first needed."""
+    """What all engines share: an executor made when first needed, by the first who asks; others wait for the same."""
 
     name = ""
     repeats_by_itself = False
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._executor: Executor | None = None
+        self._start: Future[Executor] | None = None
 
     def _make(self) -> Executor:
         raise NotImplementedError
 
+    def _ready(self, within: float | None = None) -> Executor:
+        """Return the executor, made where there is none; raises `EngineLostError`, also after `within` seconds."""
+        with self._lock:
+            ours = self._start is None
+            start = self._start = self._start or Future()
+        if ours:
+            try:
+                start.set_result(self._make())
+            except BaseException as error:
+                with self._lock:
+                    if self._start is start:
+                        self._start = None
+                start.set_exception(_as_lost(error))
+                if not isinstance(error, Exception):
+                    raise
+        try:
+            return start.result(within)
+        except TimeoutError:
+            raise EngineLostError(f"whoever computes is still being started, after {within:g} s more") from None
+
     def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
         """Send work."""
-        with self._lock:
-            if self._executor is None:
-                self._executor = self._make()
-            try:
-                return self._executor.submit(function, *arguments)
-            except (RuntimeError, OSError) as error:
-                raise EngineLostError(str(error)) from error
+        executor = self._ready()
+        try:
+            return executor.submit(function, *arguments)
+        except Exception as error:  # broken, shut down by a `restart` meanwhile, no process to be had ...
+            raise _as_lost(error) from error
 
     def restart(self) -> None:
-        """Forget the executor."""
+        """Forget the executor, also one that is being made."""
+        self._forget(_end)
+
+    def _forget(self, end: Callable[[Executor], None]) -> None:
         with self._lock:
-            executor, self._executor = self._executor, None
-        if executor is not None:
-            executor.shutdown(wait=False, cancel_futures=True)
+            start, self._start = self._start, None
+        if start is not None:
+            start.add_done_callback(lambda made: end(made.result()) if made.exception() is None else None)
 
     def blames(self, error: BaseException) -> bool:
         """Whether a worker died."""
         return isinstance(error, BrokenProcessPool)
+
+    def lost(self, error: BaseException) -> bool:
+        """Whether nobody could be reached; an `OSError` is the chunk's own."""
+        return isinstance(error, EngineLostError)
 
     def check(self) -> None:
         """Nothing that could be out of reach."""
@@ -132,21 +160,22 @@ class ProcessEngine(_ExecutorEngine):
     def _make(self) -> Executor:
         warm_batch()
         context = multiprocessing.get_context("spawn")
-        with _environment(dict.fromkeys(THREADS, "1")):
-            pool = ProcessPoolExecutor(self.workers, context, begin_worker, (os.getpid(),))
-            for _ in range(self.workers):  # each starts a process, while the environment is set
-                pool.submit(os.getpid)
+        pool = ProcessPoolExecutor(self.workers, context, begin_worker, (os.getpid(),))
+        try:
+            with _environment(dict.fromkeys(THREADS, "1")):
+                # each starts a process, while the environment is set
+                started = [pool.submit(os.getpid) for _ in range(self.workers)]
+            started[0].result(START_WITHIN)
+        except BaseException as error:
+            _kill(pool)
+            if isinstance(error, BrokenExecutor | OSError):  # a timeout is an OSError, as is a lack of processes
+                raise EngineLostError(f"workers cannot be started: {type(error).__name__}: {error}") from error
+            raise
         return pool
 
     def stop(self) -> None:
         """End the processes, also in the middle of their work."""
-        with self._lock:
-            executor, self._executor = self._executor, None
-        if isinstance(executor, ProcessPoolExecutor):
-            processes = list((executor._processes or {}).values())
-            executor.shutdown(wait=False, cancel_futures=True)
-            for process in processes:
-                process.terminate()
+        self._forget(_kill)
 
 
 class DaskEngine(_ExecutorEngine):
@@ -158,56 +187,60 @@ class DaskEngine(_ExecutorEngine):
     def __init__(self, address: str, *, within: float = CONNECT_WITHIN) -> None:
         super().__init__()
         self.address, self._within = address, within
-        self._client: Any = None
+        self._threads, self._ask_after = 0, 0.0
 
     def _make(self) -> Executor:
-        self._client = self._connected()
-        executor: Executor = self._client.get_executor(pure=False, retries=0)
-        return executor
-
-    def _connected(self) -> Any:
-        try:
-            from distributed import Client
-        except ImportError:
-            message = "Dask is not installed: install glider-studio[dask], or unset GLIDER_STUDIO_SCHEDULER"
-            raise EngineLostError(message) from None
-        try:
-            client: Any = Client
-            return client(self.address, timeout=self._within, set_as_default=False)
-        except (OSError, TimeoutError) as error:
-            raise EngineLostError(f"the Dask scheduler at {self.address} does not answer: {error}") from error
+        return DaskExecutor(self.address, within=self._within)
 
     @property
     def workers(self) -> int:
-        """How many threads the cluster's workers have now, at least 1."""
-        try:
-            client = self._client
-            return max(1, sum(client.nthreads().values())) if client is not None else 1
-        except Exception:  # whatever distributed raises while its connection comes and goes
-            return 1
-
-    def restart(self) -> None:
-        """Close the connection."""
-        with self._lock:
-            client, self._client, self._executor = self._client, None, None
-        if client is not None:
+        """How many threads the cluster's workers had a moment ago, at least 1; asks at most every few seconds."""
+        start = self._start
+        if start is not None and start.done() and time.monotonic() >= self._ask_after:
             try:
-                client.close(timeout=1.0)
-            except Exception as error:  # it is gone already
-                log.info("closing the connection to the Dask scheduler: %s", error)
+                self._ask(start.result())
+            except Exception:  # it is being closed, or whatever distributed raises while its connection comes and goes
+                pass
+        return max(1, self._threads)
+
+    def _ask(self, executor: Executor) -> int:
+        self._ask_after = time.monotonic() + ASK_EVERY  # others do not ask meanwhile
+        self._threads = cast("DaskExecutor", executor).threads(ANSWER_WITHIN)
+        return self._threads
 
     def blames(self, error: BaseException) -> bool:
         """Whether the scheduler gave a chunk up because its workers died."""
         return type(error).__name__ == "KilledWorker"
 
+    def lost(self, error: BaseException) -> bool:
+        """Whether the connection broke: ours, or one within the cluster."""
+        return super().lost(error) or any(kind.__name__ == "CommClosedError" for kind in type(error).__mro__)
+
     def check(self) -> None:
         """Raise `EngineLostError` where the scheduler cannot be reached or has no worker."""
-        with self._lock:
-            if self._executor is None:
-                self._executor = self._make()
-            client = self._client
-        if client.status != "running" or not client.scheduler_info()["workers"]:
-            raise EngineLostError(f"the Dask scheduler at {self.address} is not reachable or has no workers")
+        executor = self._ready(ANSWER_WITHIN)
+        try:
+            threads = self._ask(executor)
+        except Exception as error:
+            raise EngineLostError(f"the Dask scheduler at {self.address} is not reachable: {error}") from error
+        if not threads:
+            raise EngineLostError(f"the Dask scheduler at {self.address} has no workers: start some")
+
+
+def _as_lost(error: BaseException) -> EngineLostError:
+    return error if isinstance(error, EngineLostError) else EngineLostError(f"{type(error).__name__}: {error}")
+
+
+def _end(executor: Executor) -> None:
+    executor.shutdown(wait=False, cancel_futures=True)
+
+
+def _kill(executor: Executor) -> None:
+    """End a pool and its processes: one that could not start has nobody else to end them."""
+    processes = list((getattr(executor, "_processes", None) or {}).values())
+    _end(executor)
+    for process in processes:
+        process.terminate()
 
 
 @contextmanager

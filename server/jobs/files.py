@@ -6,6 +6,7 @@ import contextlib
 import errno
 import os
 import shutil
+import socket
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -44,6 +45,8 @@ class JobFiles:
         try:
             if result.trajectories is not None:
                 write_whole(self.path(chunk, TRAJECTORIES), result.trajectories)
+            else:
+                self.path(chunk, TRAJECTORIES).unlink(missing_ok=True)
             write_whole(self.path(chunk), result.table)
         except OSError as error:
             if error.errno not in FULL:
@@ -62,6 +65,16 @@ class JobFiles:
                 f"and {reserve} MiB kept free beside them; free some space and resume the job"
             )
 
+    def forget(self, chunk: int) -> None:
+        """Delete what a chunk gave."""
+        for ending in (TABLE, TRAJECTORIES):
+            self.path(chunk, ending).unlink(missing_ok=True)
+
+    def sweep(self) -> None:
+        """Delete what a process left half written as it died; nobody else may be writing."""
+        for part in self.folder.glob("*.part"):
+            part.unlink(missing_ok=True)
+
     def remove(self) -> None:
         """Delete the folder."""
         shutil.rmtree(self.folder, ignore_errors=True)
@@ -71,9 +84,14 @@ class JobFiles:
         yield from sorted(self.folder.glob(f"chunk-*.{ending}"))
 
 
+def part_of(path: Path) -> Path:
+    """Return where a file is while it is written: a name that no other process uses."""
+    return path.with_name(f"{path.name}.{socket.gethostname()}-{os.getpid()}.part")
+
+
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file so that it is whole or not there, also after a power failure."""
-    part = path.with_name(path.name + ".part")
+    part = part_of(path)
     try:
         with part.open("wb") as out:
             out.write(content)

@@ -6,13 +6,16 @@ again, so whatever dies costs at most the chunks in flight.
 
 from __future__ import annotations
 
+import json
 import logging
 import queue
 import threading
 import time
 import uuid
+from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from pathlib import Path
+from typing import Any
 
 from models.kernel import KERNEL_HASH
 from models.limits import DEFAULT_LIMITS, Limits
@@ -21,11 +24,14 @@ from server.jobs.active import ActiveJob
 from server.jobs.chunk import lost_chunk, run_chunk
 from server.jobs.engines import Engine, EngineLostError
 from server.jobs.files import DiskFullError, JobFiles
+from server.jobs.heartbeat import Heartbeat
+from server.jobs.submission import restamped
 from server.jobs.task import ChunkResult
 from server.jobs.tasks import plan_of
-from server.jobs.watch import failed_before
+from server.jobs.watch import failures_before
 from server.store.errors import UnavailableError
-from server.store.jobs import Job, JobStore
+from server.store.job_records import Job
+from server.store.jobs import JobStore
 
 log = logging.getLogger(__name__)
 TICK = 0.25
@@ -38,6 +44,15 @@ FATAL_DEATHS = 2
 """A chunk that took this many workers with it, alone each time, is given up."""
 BACKOFF = 2.0
 """How long to wait for an engine or a database that cannot be reached, s."""
+LONGEST_TAKE = 1.0
+"""After so long of taking results in, the thread looks around again, s."""
+OTHER_VERSION = (
+    "its first chunks were computed by version {version} with the kernel {kernel}, the rest would be by another: "
+    "cancel it, which keeps what is done, and submit it again"
+)
+OTHER_WORKER = (
+    "a worker runs another version of the program: its kernel is {theirs}, this server's {ours}; update it and resume"
+)
 Sent = tuple[ActiveJob, int, Future[ChunkResult]]
 
 
@@ -55,14 +70,18 @@ class Manager:
         self._came: queue.SimpleQueue[Sent | None] = queue.SimpleQueue()
         self._unsaved: list[tuple[ActiveJob, int, ChunkResult]] = []
         self._alone: tuple[ActiveJob, int] | None = None
-        self._renewed = self._rest_until = 0.0
+        self._looked = self._rest_until = 0.0
+        self._wait = 5.0
+        self._pulse = Heartbeat(store, self.owner, lease)
         self._turn = 0
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
         """Begin to work."""
-        if self._thread is None:
+        if self._thread is None or not self._thread.is_alive():
+            self._stopping.clear()
+            self._pulse.start()
             self._thread = threading.Thread(target=self._run, name="jobs", daemon=True)
             self._thread.start()
 
@@ -72,10 +91,12 @@ class Manager:
 
     def stop(self, *, wait: float = 5.0) -> None:
         """End: chunks in flight get `wait` seconds to finish; jobs stay as they are, free for whoever comes next."""
+        self._wait = wait
         self._stopping.set()
         self.wake()
         if self._thread is not None:
             self._thread.join(wait + 10.0)
+            self._pulse.stop()
         self.engine.stop()
 
     def files(self, job_id: str) -> JobFiles:
@@ -99,74 +120,105 @@ class Manager:
             except Exception:
                 log.exception("the job thread stumbled; it goes on")
                 self._stopping.wait(BACKOFF)
-        self._hand_over()
+        try:
+            self._hand_over()
+        finally:
+            self._active.clear()
+            try:
+                self.store.release(self.owner)
+            except UnavailableError as error:
+                log.warning("jobs could not be given back; their lease runs out by itself: %s", error)
 
     def _hand_over(self) -> None:
-        """Keep what comes in within a few seconds, then give all jobs back."""
+        """Keep what comes in within a few seconds."""
         for active in self._active.values():
             active.drop_rest()
-        until = time.monotonic() + 5.0
+        until = time.monotonic() + self._wait
         while self.in_flight and time.monotonic() < until:
             self._take(TICK)
-        try:
-            self.store.release(self.owner)
-        except UnavailableError as error:
-            log.warning("jobs could not be given back; their lease runs out by itself: %s", error)
 
     # what others want of us
 
     def _look_around(self) -> None:
         now = time.monotonic()
-        if now - self._renewed >= min(1.0, self._lease / 3.0):
-            self._renewed = now
-            held = self.store.renew(self.owner, self._lease)
+        if now - self._looked >= min(1.0, self._pulse.period):
+            self._looked = now
+            held = self._pulse.renew()
             for job_id in [job_id for job_id in self._active if job_id not in held]:
                 self._drop(job_id)  # paused, or taken by another process
             for job_id, cancelled in held.items():
-                if cancelled and job_id in self._active:
+                if job_id not in self._active:  # the database failed as it was to begin
+                    self._begin(self.store.get(job_id))
+                elif cancelled:
                     self._active[job_id].drop_rest()
         if len(self._active) < MOST_ACTIVE:
             for job in self.store.claim(self.owner, self._lease, most=MOST_ACTIVE - len(self._active)):
                 self._begin(job)
         for active in list(self._active.values()):
             if active.finished and not any(held is active for held, _, _ in self._unsaved):
-                self._end(active)
+                self._guarded(active, self._end)
+
+    def _guarded(self, active: ActiveJob, work: Callable[[ActiveJob], None]) -> None:
+        """Do something for one job; what is wrong with it pauses it and stops no other."""
+        try:
+            work(active)
+        except UnavailableError:
+            raise
+        except Exception as error:
+            log.exception("job %s cannot go on", active.job.id)
+            self._pause(active, f"it cannot go on: {type(error).__name__}: {error}; put that right and resume it")
 
     def _begin(self, job: Job) -> None:
         written = self.store.written(job.id)
         try:
-            active = ActiveJob(job, plan_of(job.spec), self.files(job.id), written=written, limits=self._limits)
+            plan = plan_of(job.spec)
+            active = ActiveJob(job, plan, self.files(job.id), written=written, limits=self._limits)
+            active.files.sweep()
+            stamp = restamped(job, plan)
+            self._refill_watch(active)
         except DesignError as error:  # written by another version of the program
             self._settle(job.id, state="failed", reason=f"its document cannot be read any more: {error}")
-            return
         except Exception as error:
             log.exception("job %s cannot begin", job.id)
             reason = f"a fault of the program as it began: {type(error).__name__}: {error}"
             self._settle(job.id, state="failed", reason=reason)
-            return
-        self._active[job.id] = active
-        if job.state == "queued":
-            self.store.change(job.id, self.owner, state="running", started=job.started or time.time())
+        else:
+            if stamp is not None and written:
+                begun = json.loads(job.about)["engine"]
+                self._active[job.id] = active
+                self._pause(active, OTHER_VERSION.format(**begun))
+                return
+            self.store.begin(job.id, self.owner, **(stamp or {}))
+            self._active[job.id] = active
+            self._check_watch(active)
+
+    @staticmethod
+    def _refill_watch(active: ActiveJob) -> None:
         if active.watch is not None:
             for chunk in sorted(active.written):
-                active.watch.add(chunk * job.chunk_size, active.files.path(chunk).read_bytes())
-            self._check_watch(active)
+                active.watch.add(chunk * active.job.chunk_size, active.files.path(chunk).read_bytes())
 
     def _end(self, active: ActiveJob) -> None:
         job = self.store.get(active.job.id)
         if active.watch is not None and active.watch.stop is not None:
-            self._settle(job.id, reason=active.watch.words, **self._counted_until(active, active.watch.stop))
+            stop = active.watch.stop
+            failures = failures_before(active.files, stop, job.chunk_size)
+            failed = sum(count for count, _ in failures.values())
+            self._settle(
+                job.id, state=_outcome(failed, stop), reason=active.watch.words, stopped_at=stop, done=stop,
+                failed=failed, failures=failures,
+            )  # fmt: skip
         elif job.cancel_requested:
             self._settle(job.id, state="cancelled")
+        elif job.chunks_done < job.chunks:  # a chunk was lost on the way: what is missing is sent again
+            log.error("job %s lacks %d chunks; they are sent again", job.id, job.chunks - job.chunks_done)
+            self._drop(job.id)
+            self._begin(job)
         else:
             self._settle(job.id, state=_outcome(job.failed, job.cases))
 
-    def _counted_until(self, active: ActiveJob, stop: int) -> dict[str, object]:
-        failed = failed_before(active.files, stop, active.job.chunk_size)
-        return {"state": _outcome(failed, stop), "stopped_at": stop, "done": stop, "failed": failed}
-
-    def _settle(self, job_id: str, **values: object) -> None:
-        self.store.let_go(job_id, self.owner, finished=time.time(), **values)
+    def _settle(self, job_id: str, **values: Any) -> None:
+        self.store.settle(job_id, self.owner, **values)
         self._active.pop(job_id, None)
 
     def _drop(self, job_id: str) -> None:
@@ -183,14 +235,16 @@ class Manager:
         try:
             if suspected is not None:
                 if self.in_flight == 0:
-                    active, chunk = suspected
-                    self._alone = suspected
-                    active.suspects.remove(chunk)
-                    self._submit(active, chunk)
+                    self._submit_alone(*suspected)
                 return
             room = AHEAD * self.engine.workers - self.in_flight - len(self._unsaved)
             while room > 0 and (ready := self._next_in_turn()) is not None:
-                self._submit(ready, ready.next_chunk())
+                chunk = ready.next_chunk()
+                try:
+                    self._submit(ready, chunk)
+                except BaseException:
+                    ready.give_back(chunk)
+                    raise
                 room -= 1
         except EngineLostError as error:
             self._wait_for_engine(error)
@@ -200,13 +254,24 @@ class Manager:
         self._turn += 1
         return ready[self._turn % len(ready)] if ready else None
 
+    def _submit_alone(self, active: ActiveJob, chunk: int) -> None:
+        active.suspects.remove(chunk)
+        self._alone = (active, chunk)
+        try:
+            self._submit(active, chunk)
+        finally:
+            if chunk not in active.sent.values():
+                self._alone = None
+                active.suspect(chunk)
+
     def _submit(self, active: ActiveJob, chunk: int) -> None:
         try:
-            future = self.engine.submit(run_chunk, active.task(chunk))
-        except EngineLostError:
-            self._alone = None
-            active.give_back(chunk)
-            raise
+            task = active.task(chunk)
+        except Exception as error:
+            log.exception("job %s, chunk %d cannot be laid out", active.job.id, chunk)
+            self._pause(active, f"its cases cannot be laid out: {type(error).__name__}: {error}")
+            return
+        future = self.engine.submit(run_chunk, task)
         active.sent[future] = chunk
         future.add_done_callback(lambda done: self._came.put((active, chunk, done)))
 
@@ -219,19 +284,24 @@ class Manager:
 
     def _take(self, timeout: float) -> None:
         self._save_again()
+        until = time.monotonic() + LONGEST_TAKE
         try:
             item = self._came.get(timeout=timeout)
             while True:
                 if item is not None:
                     self._receive(*item)
+                if time.monotonic() > until:
+                    return
                 item = self._came.get_nowait()
         except queue.Empty:
             pass
 
     def _receive(self, active: ActiveJob, chunk: int, future: Future[ChunkResult]) -> None:
         active.sent.pop(future, None)
-        alone, self._alone = self._alone == (active, chunk), None if self._alone == (active, chunk) else self._alone
-        if active.job.id not in self._active:
+        alone = self._alone == (active, chunk)
+        if alone:
+            self._alone = None
+        if self._active.get(active.job.id) is not active:
             return
         try:
             result = future.result()
@@ -245,7 +315,7 @@ class Manager:
             self._save(active, chunk, result)
 
     def _failed(self, active: ActiveJob, chunk: int, error: BaseException, *, alone: bool) -> None:
-        if isinstance(error, OSError | TimeoutError):  # a connection, not the chunk
+        if self.engine.lost(error):  # the connection, not the chunk
             active.give_back(chunk)
             self._wait_for_engine(error)
             return
@@ -265,35 +335,42 @@ class Manager:
             self.engine.restart()
 
     def _save(self, active: ActiveJob, chunk: int, result: ChunkResult) -> None:
+        """Write and count a chunk; until that is done it is held, and sent again where the job goes to another."""
         if result.kernel != KERNEL_HASH:
-            versions = f"its kernel is {result.kernel}, this server's {KERNEL_HASH}"
-            self._pause(active, f"a worker runs another version of the program: {versions}; update it and resume")
+            self._pause(active, OTHER_WORKER.format(theirs=result.kernel, ours=KERNEL_HASH))
             return
         try:
+            if not self._pulse.holds(active.job.id):
+                self._drop(active.job.id)
+                return
             active.files.write(chunk, result)
-            rate = active.note(result.cases)
-            counted = self.store.count_chunk(
+            self.store.count_chunk(
                 active.job.id, self.owner, chunk, cases=result.cases, failures=result.failures,
-                seconds=result.seconds, processor=result.processor, rate=rate,
+                seconds=result.seconds, processor=result.processor, rate=active.note(result.cases),
             )  # fmt: skip
-        except DiskFullError as error:
-            self._unsaved.append((active, chunk, result))
-            self._pause(active, str(error))
         except UnavailableError as error:
             log.warning("chunk %d of job %s cannot be counted yet: %s", chunk, active.job.id, error)
             self._unsaved.append((active, chunk, result))
             self._rest_until = time.monotonic() + BACKOFF
+        except DiskFullError as error:
+            self._unsaved.append((active, chunk, result))
+            self._pause(active, str(error))
+        except Exception as error:
+            log.exception("chunk %d of job %s cannot be kept", chunk, active.job.id)
+            self._unsaved.append((active, chunk, result))
+            self._pause(active, f"a result cannot be kept: {type(error).__name__}: {error}; put that right and resume")
         else:
-            if counted and active.watch is not None:
+            if active.watch is not None:
                 active.watch.add(chunk * active.job.chunk_size, result.table)
                 self._check_watch(active)
 
     def _save_again(self) -> None:
-        if self._unsaved and time.monotonic() >= self._rest_until:
-            waiting, self._unsaved = self._unsaved, []
-            for active, chunk, result in waiting:
-                if active.job.id in self._active:
-                    self._save(active, chunk, result)
+        for _ in range(len(self._unsaved)):
+            if not self._unsaved or time.monotonic() < self._rest_until:
+                return
+            active, chunk, result = self._unsaved.pop(0)
+            if self._active.get(active.job.id) is active:
+                self._save(active, chunk, result)
 
     def _check_watch(self, active: ActiveJob) -> None:
         if active.watch is not None and active.watch.stop is not None:
@@ -302,8 +379,9 @@ class Manager:
     def _pause(self, active: ActiveJob, reason: str) -> None:
         """Stop a job until someone resumes it; what is in flight is computed again then."""
         log.error("job %s pauses: %s", active.job.id, reason)
-        self.store.let_go(active.job.id, self.owner, state="paused", reason=reason)
-        self._drop(active.job.id)
+        self.store.pause(active.job.id, self.owner, reason)
+        if self._active.get(active.job.id) is active:
+            self._drop(active.job.id)
 
 
 def _outcome(failed: int, cases: int) -> str:

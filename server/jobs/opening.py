@@ -32,7 +32,8 @@ def finder(store: DesignStore) -> FindDesign:
             stored = store.get(design_id) if revision is None else store.revision(design_id, revision)
         except (NotFoundError, DeletedError) as error:
             pointer = "/design_id" if revision is None else "/revision"
-            raise DesignError([Problem(pointer, str(error), hint="GET /designs lists those there are")]) from None
+            listed = "/designs" if revision is None else f"/designs/{design_id}/revisions"
+            raise DesignError([Problem(pointer, str(error), hint=f"GET {listed} lists those there are")]) from None
         return stored.design, stored.revision
 
     return find

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from server.store.jobs import Failure, Job
+from server.store.job_records import Failure, Job
 
 
 def record_of(job: Job, *, failures: Sequence[Failure]) -> dict[str, Any]:
     """Return a job's record, ready for JSON."""
     about = json.loads(job.about)
     left = job.counted - job.done
-    rate = job.rate if job.state == "running" else None
+    alive = job.state == "running" and job.lease_until > time.time()  # else it waits for another process to take it
+    rate = job.rate if alive else None
     return {
         "id": job.id, "name": job.name, "kind": job.kind, "state": job.state, "reason": job.reason,
         "created": moment(job.created), "started": moment(job.started), "finished": moment(job.finished),
@@ -27,7 +29,7 @@ def record_of(job: Job, *, failures: Sequence[Failure]) -> dict[str, Any]:
         "engine": about["engine"] | {"processors": job.processors.splitlines()},
         "checksum": job.checksum, "trajectories": about["trajectories"],
         "failures": [{"reason": f.reason, "count": f.count, "case": f.case} for f in failures],
-        "stopped_early": job.stopped_at is not None,
+        "stopped_early": job.stopped_at is not None, "warnings": about["warnings"],
     }  # fmt: skip
 
 

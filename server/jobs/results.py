@@ -40,12 +40,18 @@ class Results:
     def schema(self) -> pa.Schema:
         """Columns with their units, meanings and roles; the fixed ones only while no chunk is written."""
         if self._schema is None:
-            first = next(iter(self.chunks()), None)
+            first = self._any_chunk()
             if first is None:
                 return table_schema(())
             with self._open(first) as file:
                 self._schema = file.schema_arrow
         return self._schema
+
+    def _any_chunk(self) -> int | None:
+        """Return a chunk that is written, None where there is none; nearly always the first is, found at once."""
+        if self.cases > 0 and self.files.path(0).exists():
+            return 0
+        return next(iter(self.chunks()), None)
 
     def columns(self) -> list[ColumnInfo]:
         """Return the job's own columns: its parameters, then its metrics."""

@@ -13,7 +13,8 @@ from server.jobs.manager import Manager
 from server.jobs.record import record_of
 from server.jobs.submission import FindDesign, Request, no_store, prepare
 from server.store.database import Database
-from server.store.jobs import Job, JobStore
+from server.store.job_records import Job
+from server.store.jobs import JobStore
 
 MOST_CASES = 10_000_000
 
@@ -88,7 +89,11 @@ class Jobs:
 
     def retry(self, job_id: str) -> Job:
         """Compute the chunks with failed cases, and those missing, again; raises as `cancel` does."""
-        return self._told(self.store.retry(job_id))
+        failed = self.store.failed_chunks(job_id)
+        job = self.store.retry(job_id)
+        for chunk in failed:
+            self.files(job).forget(chunk)
+        return self._told(job)
 
     def remove(self, job_id: str) -> None:
         """Delete a job that is over, with its results; raises as `cancel` does."""

@@ -217,6 +217,9 @@ def parse_spec(document: Any) -> JobSpec:
     if problems:
         raise DesignError(problems)
     document = dict(document)
+    if isinstance(document.get("design"), str):
+        hint = "give the document itself, or design_id; names of presets and files are for glider-studio batch"
+        raise DesignError([Problem("/design", f"{echo(document['design'])} is no design document", hint=hint)])
     if document.get("design") is not None:
         try:
             document["design"] = parse_design(document["design"])

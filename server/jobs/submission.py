@@ -16,10 +16,11 @@ from models.kernel import KERNEL_HASH
 from models.limits import Limits
 from models.problems import DesignError, Problem
 from models.warm import warm_batch
+from server.jobs.inert import inert_warnings
 from server.jobs.plan import Plan, make_plan
-from server.jobs.spec import JobSpec, Simulate, checksum, parse_spec
+from server.jobs.spec import JobSpec, checksum, parse_spec
 from server.store.identifiers import new_id
-from server.store.jobs import NewJob
+from server.store.job_records import Job, NewJob
 from server.version import VERSION
 
 CHUNK_SECONDS = 1.0
@@ -35,6 +36,7 @@ PROBE_STEPS = 20_000
 MOST_NUMBERS = 20_000_000
 """Most numbers in the trajectories that one chunk keeps."""
 COLUMNS_OF_RUN = 70
+"""About how many numbers a sample of a run holds."""
 FindDesign = Callable[[str, int | None], tuple[Design, int]]
 
 
@@ -62,18 +64,29 @@ def prepare(
     design, revision = _design_of(spec, find_design)
     plan = make_plan(spec, design, max_cases=max_cases)
     inlined = spec.model_copy(update={"design": design, "design_id": None, "revision": None})
-    size = chunk_size(plan, limits, workers)
+    about = _about(plan, spec.design_id, revision, warnings=list(inert_warnings(plan, limits)))
     return NewJob(
         id=new_id(), kind=spec.kind, name=spec.name or _default_name(spec, design), spec=inlined.model_dump_json(),
-        about=json.dumps(_about(plan, spec.design_id, revision)), checksum=checksum(inlined, design, engine_version()),
-        principal=request.principal, idempotency_key=request.key, request_digest=request.digest,
-        cases=plan.count, chunk_size=size,
+        about=json.dumps(about), checksum=checksum(inlined, design, engine_version()), principal=request.principal,
+        idempotency_key=request.key, request_digest=request.digest, cases=plan.count,
+        chunk_size=chunk_size(plan, limits, workers),
     )  # fmt: skip
 
 
 def engine_version() -> str:
     """Return what, beside the inputs, decides the numbers: the program's version and its kernel's hash."""
     return f"{VERSION} {KERNEL_HASH}"
+
+
+def restamped(job: Job, plan: Plan) -> dict[str, str] | None:
+    """Return what to keep of a job that another version of the program queued; None where this one did."""
+    about = json.loads(job.about)
+    ours = {"version": VERSION, "kernel": KERNEL_HASH}
+    if about["engine"] == ours:
+        return None
+    return {
+        "about": json.dumps(about | {"engine": ours}), "checksum": checksum(plan.spec, plan.design, engine_version())
+    }  # fmt: skip
 
 
 def _design_of(spec: JobSpec, find_design: FindDesign) -> tuple[Design, int | None]:
@@ -87,7 +100,7 @@ def _default_name(spec: JobSpec, design: Design) -> str:
     return f"{spec.kind.replace('_', ' ').capitalize()} of {design.name}"[:200]
 
 
-def _about(plan: Plan, design_id: str | None, revision: int | None) -> dict[str, Any]:
+def _about(plan: Plan, design_id: str | None, revision: int | None, *, warnings: list[str]) -> dict[str, Any]:
     keep = plan.spec.trajectories
     return {
         "design": {
@@ -96,20 +109,36 @@ def _about(plan: Plan, design_id: str | None, revision: int | None) -> dict[str,
         "parameters": [{"name": p.name, "unit": p.unit, "pointer": p.pointer} for p in plan.parameters],
         "metrics": [{"name": m.name, "unit": m.unit, "meaning": m.meaning} for m in plan.metrics],
         "engine": {"version": VERSION, "kernel": KERNEL_HASH},
+        "warnings": warnings,
         "trajectories": keep if isinstance(keep, str) else ("some" if keep else "none"),
     }  # fmt: skip
 
 
 def chunk_size(plan: Plan, limits: Limits, workers: int) -> int:
     """Return how many cases make a chunk: about a second's work, and enough chunks for every worker."""
-    mission = plan.design.mission
     wanted = CHUNK_SECONDS * max(1.0, workers / KEPT_BUSY)
     size = math.ceil(wanted / max(_seconds_a_case(plan.design, limits), 1e-4))
     size = min(size, LARGEST_CHUNK, math.ceil(plan.count / (2 * workers)))
     size = max(size, math.ceil(plan.count / MOST_CHUNKS))
-    if plan.spec.trajectories != "none" or isinstance(plan.spec, Simulate):
-        size = min(size, int(MOST_NUMBERS / (COLUMNS_OF_RUN * (mission.duration / mission.solver.output_interval + 2))))
+    fitting = _runs_that_fit(plan.design)
+    if _kept(plan) > fitting:  # otherwise all that are kept fit into one chunk
+        size = min(size, fitting)
     return max(1, size if size < LANES else size // LANES * LANES)
+
+
+def _kept(plan: Plan) -> int:
+    """Return how many cases keep their trajectories."""
+    keep = plan.spec.trajectories
+    if isinstance(keep, str):
+        return plan.count if keep == "all" else 0
+    return len(set(keep))
+
+
+def _runs_that_fit(design: Design) -> int:
+    """Return how many trajectories one chunk may keep."""
+    mission = design.mission
+    samples = mission.duration / mission.solver.output_interval + 2
+    return max(1, int(MOST_NUMBERS / (COLUMNS_OF_RUN * samples)))
 
 
 def _seconds_a_case(design: Design, limits: Limits) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from server.jobs.case_table import read_table
+from server.jobs.case_table import group_of, read_table
 from server.jobs.files import JobFiles
 from server.jobs.plan import Plan
 from server.jobs.spec import MonteCarlo, Stop
@@ -28,7 +28,9 @@ class Watch:
         self.stop: int | None = None
 
     def add(self, first: int, table: bytes) -> None:
-        """Add the chunk whose cases begin with `first`."""
+        """Add the chunk whose cases begin with `first`; one that is known already changes nothing."""
+        if first < len(self._values):
+            return
         rows = read_table(table)
         values = np.array(rows.column(self._request.metric).to_numpy(zero_copy_only=False), dtype=np.float64)
         values[[status not in FINE for status in rows.column("status").to_pylist()]] = np.nan  # as in the summary
@@ -54,10 +56,14 @@ def watch_of(plan: Plan) -> Watch | None:
     return Watch(spec.stop, plan.count) if isinstance(spec, MonteCarlo) and spec.stop is not None else None
 
 
-def failed_before(files: JobFiles, case: int, chunk_size: int) -> int:
-    """Return how many of the cases before a case failed."""
-    failed = 0
+def failures_before(files: JobFiles, case: int, chunk_size: int) -> dict[str, tuple[int, int]]:
+    """Return the failures among the cases before a case by the group of their reason: how many, and the first."""
+    groups: dict[str, tuple[int, int]] = {}
     for chunk in range(-(-case // chunk_size)):
         table = read_table(files.path(chunk).read_bytes()).slice(0, case - chunk * chunk_size)
-        failed += sum(status not in FINE for status in table.column("status").to_pylist())
-    return failed
+        for row in table.select(["case", "status", "reason"]).to_pylist():
+            if row["status"] not in FINE:
+                group = group_of(row["status"], row["reason"])
+                count, first = groups.get(group, (0, row["case"]))
+                groups[group] = (count + 1, first)
+    return groups

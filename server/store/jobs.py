@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any
 
 from sqlalchemy import Connection, and_, case, delete, func, insert, or_, select, update
@@ -16,101 +16,16 @@ from sqlalchemy.exc import IntegrityError
 
 from models.problems import echo
 from server.store.database import Database
-from server.store.errors import NotFoundError, StoreError
+from server.store.errors import NotFoundError
+from server.store.job_records import ACTIVE, OVER, STATES, Failure, Job, JobStateError, KeyReusedError, NewJob
 from server.store.job_tables import job_chunks, job_failures, jobs
 
-ACTIVE = ("queued", "running", "cancelling")
-OVER = ("cancelled", "succeeded", "partial", "failed")
-STATES = ("queued", "running", "paused", "cancelling", *OVER)
 LONGEST_REASON = 400
 MOST_GROUPS = 50
 """Most groups of failures that a record shows."""
-
-
-@dataclass(frozen=True, slots=True)
-class NewJob:
-    """What is kept of a job when it is submitted; `spec` and `about` are JSON."""
-
-    id: str
-    kind: str
-    name: str
-    spec: str
-    about: str
-    checksum: str
-    principal: str
-    idempotency_key: str | None
-    request_digest: str
-    cases: int
-    chunk_size: int
-
-
-@dataclass(frozen=True, slots=True)
-class Job:
-    """A job as it is now; the fields are those of the table."""
-
-    id: str
-    kind: str
-    name: str
-    spec: str
-    about: str
-    checksum: str
-    principal: str
-    idempotency_key: str | None
-    request_digest: str
-    state: str
-    reason: str | None
-    cases: int
-    chunk_size: int
-    chunks: int
-    done: int
-    failed: int
-    chunks_done: int
-    rate: float | None
-    processors: str
-    stopped_at: int | None
-    created: float
-    started: float | None
-    finished: float | None
-    cancel_requested: bool
-    owner: str | None
-    lease_until: float
-    sequence: int
-
-    @property
-    def over(self) -> bool:
-        """Whether nothing more will happen to it by itself."""
-        return self.state in OVER
-
-    @property
-    def counted(self) -> int:
-        """How many cases count: all, or those up to where enough was known."""
-        return self.cases if self.stopped_at is None else self.stopped_at
-
-
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """Failures of one kind: why, how many, and the first case."""
-
-    reason: str
-    count: int
-    case: int
-
-
 COLUMNS = [jobs.c[field.name] for field in fields(Job)]
 LIGHT = [column for column in COLUMNS if column.name != "spec"]
 """All but the document, which is large."""
-
-
-class JobStateError(StoreError):
-    """What was asked is not possible in the job's state."""
-
-    def __init__(self, state: str, message: str) -> None:
-        self.state = state
-        super().__init__(message)
-
-
-class KeyReusedError(StoreError):
-    """An idempotency key came again with another request."""
 
 
 class JobStore:
@@ -119,9 +34,7 @@ class JobStore:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def add(
-        self, new: NewJob, *, reuse: bool = True, admit: Callable[[int], None] | None = None
-    ) -> tuple[Job, bool]:
+    def add(self, new: NewJob, *, reuse: bool = True, admit: Callable[[int], None] | None = None) -> tuple[Job, bool]:
         """Keep a new job; return it, and whether it is new.
 
         With the key of an earlier request that one's job is returned, and with `reuse` an equal job that is not over
@@ -226,10 +139,20 @@ class JobStore:
         with self._database.read() as connection:
             return set(connection.execute(select(job_chunks.c.chunk).where(job_chunks.c.job_id == job_id)).scalars())
 
+    def failed_chunks(self, job_id: str) -> list[int]:
+        """Return the chunks that count in which a case failed."""
+        c = job_chunks.c
+        with self._database.read() as connection:
+            return list(connection.execute(select(c.chunk).where(and_(c.job_id == job_id, c.failed > 0))).scalars())
+
     def claim(self, owner: str, lease: float, *, most: int) -> list[Job]:
         """Take up to `most` jobs that nobody works on, the oldest first; a lease lasts `lease` seconds."""
         now = time.time()
-        free = and_(jobs.c.state.in_(ACTIVE), or_(jobs.c.owner.is_(None), jobs.c.lease_until < now))
+        lapsed = and_(jobs.c.lease_until < now, jobs.c.owner != owner)  # one's own is never taken again
+        free = and_(jobs.c.state.in_(ACTIVE), or_(jobs.c.owner.is_(None), lapsed))
+        with self._database.read() as connection:
+            if connection.execute(select(jobs.c.id).where(free).limit(1)).first() is None:
+                return []  # nothing to do, so no other writer need wait
         taken = []
         with self._database.write() as connection:
             found = list(
@@ -264,7 +187,7 @@ class JobStore:
                     return False
                 connection.execute(insert(job_chunks).values(row | {"seconds": seconds, "written": time.time()}))
                 for reason, (count, first) in failures.items():
-                    _add_failures(connection, job_id, reason[:LONGEST_REASON], count, first)
+                    _add_failures(connection, job_id, reason, count=count, first=first)
                 lines = sorted({*known.splitlines(), processor})
                 counted = {
                     "done": jobs.c.done + cases, "failed": jobs.c.failed + failed, "rate": rate,
@@ -275,20 +198,33 @@ class JobStore:
         except IntegrityError:
             return False
 
-    def change(self, job_id: str, owner: str, **values: Any) -> bool:
-        """Set columns of a job that an owner holds; return whether that was so."""
+    def begin(self, job_id: str, owner: str, **stamp: Any) -> None:
+        """Note that a queued job that an owner holds is under way; `stamp` are columns to set with it."""
+        queued = and_(jobs.c.id == job_id, jobs.c.owner == owner, jobs.c.state == "queued")
+        running = {"state": "running", "started": func.coalesce(jobs.c.started, time.time())}
         with self._database.write() as connection:
-            own = and_(jobs.c.id == job_id, jobs.c.owner == owner)
-            done = connection.execute(update(jobs).where(own).values(values | {"sequence": jobs.c.sequence + 1}))
-            return done.rowcount == 1
+            changed = stamp | running | {"sequence": jobs.c.sequence + 1}
+            connection.execute(update(jobs).where(queued).values(changed))
 
-    def let_go(self, job_id: str, owner: str, **values: Any) -> bool:
-        """Set columns of a job that an owner holds, and its lease free; return whether that was so."""
+    def settle(
+        self, job_id: str, owner: str, *, failures: Mapping[str, tuple[int, int]] | None = None, **values: Any
+    ) -> None:
+        """Let go of a job that is over; `failures` replaces the groups where fewer cases count than were computed."""
         with self._database.write() as connection:
-            own = and_(jobs.c.id == job_id, jobs.c.owner == owner)
-            free: dict[str, Any] = {"owner": None, "lease_until": 0.0, "rate": None}
-            changed = values | free | {"sequence": jobs.c.sequence + 1}
-            return connection.execute(update(jobs).where(own).values(changed)).rowcount == 1
+            if not _let_go(connection, job_id, owner, finished=time.time(), **values) or failures is None:
+                return
+            connection.execute(delete(job_failures).where(job_failures.c.job_id == job_id))
+            for reason, (count, first) in failures.items():
+                _add_failures(connection, job_id, reason, count=count, first=first)
+
+    def pause(self, job_id: str, owner: str, reason: str) -> None:
+        """Let go of a job until someone resumes it; one that is to be cancelled is over instead."""
+        asked = jobs.c.cancel_requested
+        with self._database.write() as connection:
+            _let_go(
+                connection, job_id, owner, reason=reason, state=case((asked, "cancelled"), else_="paused"),
+                finished=case((asked, time.time()), else_=None),
+            )  # fmt: skip
 
     def release(self, owner: str) -> None:
         """Give all jobs of an owner back, so that another process may go on at once."""
@@ -318,8 +254,9 @@ class JobStore:
         with self._database.write() as connection:
             job = _locked(connection, job_id)
             if job.state != "paused":
-                raise JobStateError(job.state, f"only a paused job can be resumed; this one is {job.state}")
-            _set(connection, job_id, state="queued", reason=None, owner=None, lease_until=0.0)
+                what = f"only a paused job can be resumed; this one is {job.state}"
+                raise JobStateError(job.state, f"{what}: retry it to go on" if job.over else what)
+            _set(connection, job_id, state="queued", reason=None, owner=None, lease_until=0.0, cancel_requested=False)
             return _get(connection, job_id)
 
     def retry(self, job_id: str) -> Job:
@@ -331,15 +268,13 @@ class JobStore:
             if job.failed == 0 and job.state != "cancelled":
                 raise JobStateError(job.state, "no case has failed: there is nothing to retry")
             bad = and_(job_chunks.c.job_id == job_id, job_chunks.c.failed > 0)
-            lost = connection.execute(
-                select(func.count(), func.coalesce(func.sum(job_chunks.c.cases), 0)).where(bad)
-            ).one()
             connection.execute(delete(job_chunks).where(bad))
+            left = select(func.count(), func.coalesce(func.sum(job_chunks.c.cases), 0))
+            chunks, cases = connection.execute(left.where(job_chunks.c.job_id == job_id)).one()
             connection.execute(delete(job_failures).where(job_failures.c.job_id == job_id))
             _set(
                 connection, job_id, state="queued", reason=None, owner=None, lease_until=0.0, cancel_requested=False,
-                finished=None, stopped_at=None, failed=0, done=job.done - int(lost[1]),
-                chunks_done=job.chunks_done - int(lost[0]),
+                finished=None, stopped_at=None, failed=0, done=int(cases), chunks_done=int(chunks),
             )  # fmt: skip
             return _get(connection, job_id)
 
@@ -373,8 +308,15 @@ def _set(connection: Connection, job_id: str, **values: Any) -> None:
     connection.execute(update(jobs).where(jobs.c.id == job_id).values(values | {"sequence": jobs.c.sequence + 1}))
 
 
-def _add_failures(connection: Connection, job_id: str, reason: str, count: int, first: int) -> None:
-    c = job_failures.c
+def _let_go(connection: Connection, job_id: str, owner: str, **values: Any) -> bool:
+    """Set columns of a job that an owner holds, and its lease free; return whether that was so."""
+    own = and_(jobs.c.id == job_id, jobs.c.owner == owner)
+    changed = values | {"owner": None, "lease_until": 0.0, "rate": None, "sequence": jobs.c.sequence + 1}
+    return connection.execute(update(jobs).where(own).values(changed)).rowcount == 1
+
+
+def _add_failures(connection: Connection, job_id: str, reason: str, *, count: int, first: int) -> None:
+    c, reason = job_failures.c, reason[:LONGEST_REASON]
     same = and_(c.job_id == job_id, c.reason == reason)
     earlier = case((c.first_case < first, c.first_case), else_=first)
     known = update(job_failures).where(same).values(cases=c.cases + count, first_case=earlier)

@@ -15,7 +15,7 @@ from server.jobs.case_table import read_table
 from server.jobs.engines import Engine, SerialEngine
 from server.jobs.service import Jobs
 from server.store.database import Database, sqlite_url
-from server.store.jobs import Job
+from server.store.job_records import Job
 
 PRESET = "canete-dual-bellows"
 POSITION = "/vehicle/components/1/position/0"

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import gc
 import os
+import signal
 import socket
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 
+from server.jobs.dask_executor import DaskExecutor
 from server.jobs.engines import DaskEngine, EngineLostError
 from tests.server.job_support import assert_whole, finished, open_at, running, slow_sweep, wait_for
 
@@ -28,7 +34,7 @@ class Cluster:
         self.scheduler: subprocess.Popen[bytes] | None = None
         self.workers: list[subprocess.Popen[bytes]] = []
 
-    def start(self, workers: int = 2) -> None:
+    def start(self, workers: int = 2) -> Cluster:
         """Start the scheduler and its workers, and wait for them."""
         port = self.address.rpartition(":")[2]
         self.scheduler = begin("scheduler", "--host", "tcp://127.0.0.1", "--port", port, "--no-dashboard")
@@ -48,6 +54,7 @@ class Cluster:
 
         wait_for(there, what="the cluster")
         engine.stop()
+        return self
 
     def kill_scheduler(self) -> None:
         """Kill the scheduler; its workers end by themselves, or are ended."""
@@ -90,6 +97,16 @@ def serial(tmp_path_factory):
         return assert_whole(jobs, job)
 
 
+@pytest.fixture(scope="module")
+def standing() -> Iterator[Cluster]:
+    """A cluster of one worker that no test breaks."""
+    cluster = Cluster()
+    try:
+        yield cluster.start(workers=1)
+    finally:
+        cluster.stop()
+
+
 @pytest.fixture
 def cluster() -> Iterator[Cluster]:
     cluster = Cluster()
@@ -127,4 +144,106 @@ def test_a_scheduler_that_is_not_there_is_told(tmp_path):
     engine = DaskEngine("tcp://127.0.0.1:9", within=1.0)
     with pytest.raises(EngineLostError, match=r"127\.0\.0\.1:9"):
         engine.check()
+    engine.stop()
+
+
+def test_an_error_of_the_work_comes_back_as_it_is(standing):
+    engine = DaskEngine(standing.address)
+    error = engine.submit(os.stat, "/not/there").exception(60)
+    assert isinstance(error, OSError) and "/not/there" in str(error) and not engine.lost(error)
+    assert engine.submit(len, "x").result(60) == 1
+    engine.stop()
+
+
+def test_cancelling_cancels_in_the_cluster_too(standing):
+    executor = DaskExecutor(standing.address, within=5.0)
+    running, waiting = executor.submit(time.sleep, 1.0), executor.submit(os.stat, "/never/run")
+    assert waiting.cancel() and waiting.cancelled()
+    wait_for(lambda: len(executor._client.futures) == 1, what="the end of the cancelled work")
+    assert running.result(60) is None and not executor._pending
+    executor.shutdown()
+
+
+def test_work_that_someone_else_cancels_is_lost(standing):
+    executor = DaskExecutor(standing.address, within=5.0)
+    sent = executor.submit(time.sleep, 1.0)
+    [key] = executor._client.futures
+    executor._client.loop.add_callback(executor._client._handle_cancelled_keys, [key], reason="x", msg="someone else")
+    assert isinstance(sent.exception(60), EngineLostError)
+    executor.shutdown()
+
+
+def test_a_restart_ends_what_was_sent(standing):
+    engine = DaskEngine(standing.address)
+    sent = [engine.submit(time.sleep, 0.3) for _ in range(3)]
+    engine.restart()
+    assert all(isinstance(future.exception(0), EngineLostError) for future in sent)
+    assert engine.submit(len, "x").result(60) == 1
+    engine.stop()
+
+
+def test_restarts_leave_nothing_behind(standing):
+    process = psutil.Process()
+
+    def once(address: str) -> None:
+        engine = DaskEngine(address, within=0.1 if address.endswith(":9") else 5.0)
+        try:
+            engine.submit(len, "x").result(60)
+        except EngineLostError:
+            assert address.endswith(":9")
+        engine.restart()
+
+    once(standing.address)
+    threads, files = threading.active_count(), process.num_fds()
+    for address in (standing.address, "tcp://127.0.0.1:9") * 5:
+        once(address)
+
+    def settled() -> bool:
+        gc.collect()
+        return threading.active_count() <= threads and process.num_fds() <= files
+
+    wait_for(settled, what="the end of the former connections", seconds=30.0)
+
+
+def test_a_scheduler_that_does_not_answer_holds_nobody_up(standing, monkeypatch):
+    monkeypatch.setattr("server.jobs.engines.ANSWER_WITHIN", 0.5)
+    monkeypatch.setattr("server.jobs.engines.ASK_EVERY", 0.0)
+    engine = DaskEngine(standing.address)
+    assert engine.workers == 1 and engine.submit(len, "x").result(60) == 1
+    assert standing.scheduler is not None
+    standing.scheduler.send_signal(signal.SIGSTOP)
+    try:
+        begun = time.monotonic()
+        assert engine.workers == 1
+        with pytest.raises(EngineLostError, match=f"{standing.address} is not reachable: .*"):
+            engine.check()
+        engine.restart()
+        assert time.monotonic() - begun < 10.0
+    finally:
+        standing.scheduler.send_signal(signal.SIGCONT)
+    engine.check()
+    engine.stop()
+
+
+def test_a_scheduler_that_dies_while_a_result_is_fetched_loses_it(cluster):
+    def slow() -> object:  # within the test, so that a worker need not import it
+        class Slow:
+            def __reduce__(self) -> tuple[type[int], tuple[()]]:
+                time.sleep(120.0)  # longer to fetch than the test waits
+                return int, ()
+
+        return Slow()
+
+    engine = DaskEngine(cluster.address, within=3.0)
+    sent = engine.submit(slow)
+    client = engine._ready()._client
+    wait_for(lambda: [state.status for state in client.futures.values()] == ["finished"], what="the end of the work")
+    assert not sent.done()
+    cluster.kill_scheduler()
+    error = sent.exception(60)
+    assert engine.lost(error), error
+    wait_for(lambda: client.status != "running", what="the loss of the connection")
+    assert engine.workers == 1
+    with pytest.raises(EngineLostError, match="connection to the Dask scheduler broke"):
+        engine.submit(len, "x")
     engine.stop()

@@ -174,5 +174,3 @@ def test_a_chunk_is_the_same_alone(serial, tmp_path):
     result = chunk.run_chunk(maker.task(job.id, 7, 56, 61))
     assert read_table(result.table).equals(serial.slice(56, 5))
     jobs.stop()
-
-

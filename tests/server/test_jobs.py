@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,12 +15,13 @@ from models.problems import DesignError
 from models.simulate import run_assembly
 from models.variation import Target, Varied
 from server.jobs.engines import SerialEngine
+from server.jobs.files import part_of
 from server.jobs.spec import parse_spec
 from server.jobs.submission import Request
 from server.jobs.task import FINE
 from server.jobs.trajectories import read_trajectory
 from server.store.errors import NotFoundError
-from server.store.jobs import JobStateError, KeyReusedError
+from server.store.job_records import JobStateError, KeyReusedError
 from tests.server.job_support import (
     POSITION,
     assert_whole,
@@ -272,21 +272,20 @@ def test_where_to_stop_depends_on_the_cases_alone(tmp_path, monkeypatch):
 
 
 def test_a_full_disk_pauses_the_job_and_harms_nothing(tmp_path, monkeypatch):
+    """/dev/full refuses every byte as a full disk does; the second chunk is written there."""
     chunks_of(4, monkeypatch)
-    """/dev/full refuses every byte as a full disk does; it stands in the way of one chunk's file."""
-    engine = Held(1)
-    with running(open_at(tmp_path, engine)) as jobs:
-        job, _ = jobs.submit(sweep(40))
-        wait_for(lambda: jobs.store.get(job.id).chunks_done == 1, what="one chunk")
-        obstacle = Path(f"{jobs.files(job).path(1)}.part")
-        os.symlink("/dev/full", obstacle)
-        engine.most = 10_000
-        jobs.manager.engine.restart()
+    os.symlink("/dev/full", tmp_path / "full")
+
+    def on_the_full_disk(path):
+        return tmp_path / "full" if path.name.startswith("chunk-000000001.parquet") else part_of(path)
+
     with running(open_at(tmp_path)) as jobs:
-        paused = wait_for(lambda: (j := jobs.store.get(job.id)).state == "paused" and j, what="the pause")
+        with monkeypatch.context() as patch:
+            patch.setattr("server.jobs.files.part_of", on_the_full_disk)
+            job, _ = jobs.submit(sweep(40))
+            paused = wait_for(lambda: (j := jobs.store.get(job.id)).state == "paused" and j, what="the pause")
         assert "the disk is full" in paused.reason and "resume" in paused.reason
-        assert 1 <= paused.chunks_done < paused.chunks
-        obstacle.unlink(missing_ok=True)
+        assert 1 not in jobs.store.written(job.id) and not jobs.files(job).path(1).exists()
         with pytest.raises(JobStateError, match="paused"):
             jobs.remove(job.id)
         jobs.resume(job.id)
@@ -357,8 +356,12 @@ def test_chunks_are_sized_by_time_count_and_memory(monkeypatch):
     assert size(10**5, 100.0) == 5  # no more than 20,000 chunks
     assert size(10**9, 0.001) == 50_000
     kept = size(10**9, 0.001, trajectories="all")
-    samples = 4.0 / 0.05 + 2
-    assert kept * samples * submission.COLUMNS_OF_RUN <= submission.MOST_NUMBERS < (kept + 16) * samples * 70
+    numbers = (4.0 / 0.05 + 2) * submission.COLUMNS_OF_RUN
+    assert kept * numbers <= submission.MOST_NUMBERS < (kept + 16) * numbers
+    # of listed cases a chunk keeps no more than there are, so that few do not shrink it
+    assert size(10**5, 0.01, trajectories=[0]) == 96
+    assert size(10**9, 0.001, trajectories=list(range(kept))) == 50_000
+    assert size(10**9, 0.001, trajectories=list(range(kept + 16))) == kept
 
 
 def test_composed_metrics_are_measured(jobs):
@@ -381,3 +384,15 @@ def test_a_job_that_cannot_begin_fails_and_holds_nobody_up(tmp_path, monkeypatch
         assert job.state == "failed" and "a slip" in job.reason
         patch.undo()
         assert finished(jobs, jobs.submit(sweep(3), fresh=True)[0]).state == "succeeded"
+
+
+def test_a_parameter_that_changes_nothing_is_told(jobs):
+    """The preset declares its mass, so a component's own decides nothing; its place does."""
+    idle, moving = "/vehicle/components/1/mass", POSITION
+    method = {"kind": "full_factorial", "parameters": [
+        {"name": "bellows mass", "pointer": idle, "values": [0.03, 3.0]},
+        {"name": "place", "pointer": moving, "values": [0.1, 0.2]}]}  # fmt: skip
+    record = jobs.record(finished(jobs, jobs.submit(sweep(method=method))[0]))
+    [warning] = record["warnings"]
+    assert "bellows mass changes nothing" in warning and idle in warning
+    assert jobs.record(finished(jobs, jobs.submit(sweep(3))[0]))["warnings"] == []
