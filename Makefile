@@ -32,8 +32,9 @@ lint:
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# Two processes share the tests, file by file; each file's tests stay in order.
 unit:
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 browser-tests: setup-dev chromium
 	$(BIN)/python -m pytest tests/browser

@@ -25,7 +25,7 @@ from models.variation import Target, Varied
 from server.jobs.engines import ProcessEngine
 from server.jobs.service import Jobs
 from server.store.database import Database, sqlite_url
-from server.store.jobs import Job
+from server.store.job_records import Job
 
 POSITION = "/vehicle/components/1/position/0"
 PITCH = "/mission/initial/pitch"

@@ -21,10 +21,11 @@ PRESET = "canete-dual-bellows"
 
 @dataclass
 class Program:
-    """A running studio: its address, and when its process was started (perf_counter)."""
+    """A running studio: its address, when its process was started (perf_counter), and the process."""
 
     url: str
     started: float
+    pid: int
 
     def open_session(self, preset: str = PRESET) -> tuple[str, str]:
         """Return the address of a new session's page and its cookie header."""
@@ -48,20 +49,24 @@ class Program:
 
 
 @contextmanager
-def running_program(*, kernel_cache: Path | None = None) -> Iterator[Program]:
-    """Start the studio on a free port of this machine; stop it at the end."""
-    with tempfile.TemporaryDirectory() as data:
-        environment = os.environ | {"GLIDER_STUDIO_DATA": data, "PYTHONUNBUFFERED": "1"}
+def running_program(*, kernel_cache: Path | None = None, data: Path | None = None) -> Iterator[Program]:
+    """Start the studio on a free port of this machine, with a data folder or one of its own; stop it at the end.
+
+    With a folder its log is thrown away: under load it is long.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        environment = os.environ | {"GLIDER_STUDIO_DATA": str(data or folder), "PYTHONUNBUFFERED": "1"}
         if kernel_cache is not None:
             environment["GLIDER_STUDIO_KERNEL_CACHE"] = str(kernel_cache)
         started = time.perf_counter()
         command = [sys.executable, "-m", "studio", "serve", "--port", "0"]
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
+        log = subprocess.DEVNULL if data is not None else None
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, text=True, env=environment)
         try:
             assert process.stdout is not None
             address = re.search(r"http://[^/\s]+", process.stdout.readline())
             assert address, "the studio did not print its address"
-            yield Program(address.group(), started)
+            yield Program(address.group(), started, process.pid)
         finally:
             process.terminate()
             process.wait(20)

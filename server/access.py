@@ -186,7 +186,8 @@ class TokenGate:
         return problem_response(
             401,
             "Unauthorized",
-            detail="this server demands its token: send the header Authorization: Bearer <token>",
+            detail="this server demands its token: send the header Authorization: Bearer <token>, or open its "
+            "first page once in the browser with ?token=<token>",
             headers={"WWW-Authenticate": "Bearer"},
         )
 

@@ -7,6 +7,7 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager, nullcon
 
 import anyio.to_thread
 from fastapi import FastAPI
+from starlette.datastructures import State
 
 from server.errors import install_error_handlers
 from server.job_events import events_of
@@ -70,39 +71,52 @@ def create_app(
     closed.
     """
     settings = settings if settings is not None else Settings()
-    store = store if store is not None else open_store(settings)
-    runner, stopping, telemetry, quotas = Runner(), Stopping(), Telemetry(), Quotas(settings.quotas)
-    stopping.on_stop(runner.cancel_all)
-    telemetry.watch("simulations_running", "Previews and analyses that compute or wait to.", lambda: runner.under_way)
+    app = DocumentedApi(
+        title="Glider studio", version=VERSION, description=DESCRIPTION, lifespan=_until_stopped(lifespan),
+        openapi_url=f"{API}/openapi.json", docs_url=None, redoc_url=None, separate_input_output_schemas=False,
+    )  # fmt: skip
+    state = app.state
+    state.settings, state.live, state.jobs = settings, live, jobs
+    state.store = store if store is not None else open_store(settings)
+    state.runner, state.stopping, state.readiness = Runner(), Stopping(), Readiness()
+    state.telemetry, state.quotas = Telemetry(), Quotas(settings.quotas)
+    state.job_events = events_of(jobs) if jobs is not None else None
+    _connect(state)
+    install_middleware(app, settings, quotas=state.quotas, telemetry=state.telemetry, stopping=state.stopping)
+    install_error_handlers(app)
+    app.include_router(health.router)
+    for noun in NOUNS:
+        app.include_router(noun.router, prefix=API)
+    return app
+
+
+def _until_stopped(lifespan: Lifespan | None) -> Lifespan:
+    """Return what an application lives in: its jobs are worked on meanwhile, and its store is closed at the end."""
 
     @asynccontextmanager
     async def until_stopped(app: FastAPI) -> AsyncIterator[None]:
+        jobs: Jobs | None = app.state.jobs
         async with lifespan(app) if lifespan is not None else nullcontext():
             if jobs is not None:
                 jobs.start()
             try:
                 yield
             finally:
-                stopping.begin()
+                app.state.stopping.begin()
                 if jobs is not None:
                     await anyio.to_thread.run_sync(jobs.stop)
-                store.database.close()
+                app.state.store.database.close()
 
-    app = DocumentedApi(
-        title="Glider studio", version=VERSION, description=DESCRIPTION, lifespan=until_stopped,
-        openapi_url=f"{API}/openapi.json", docs_url=None, redoc_url=None, separate_input_output_schemas=False,
-    )  # fmt: skip
-    app.state.settings, app.state.live, app.state.runner, app.state.store = settings, live, runner, store
-    app.state.quotas, app.state.telemetry = quotas, telemetry
-    app.state.stopping, app.state.readiness = stopping, Readiness()
-    app.state.readiness.add("store", store.check)
-    app.state.jobs, app.state.job_events = jobs, events_of(jobs) if jobs is not None else None
-    if jobs is not None:
-        app.state.readiness.add("engine", jobs.manager.engine.check)
-        telemetry.watch("job_listeners", "Who is told what becomes of jobs.", lambda: app.state.job_events.listeners)
-    install_middleware(app, settings, quotas=quotas, telemetry=telemetry, stopping=stopping)
-    install_error_handlers(app)
-    app.include_router(health.router)
-    for noun in NOUNS:
-        app.include_router(noun.router, prefix=API)
-    return app
+    return until_stopped
+
+
+def _connect(state: State) -> None:
+    """Have what an application holds know of each other: what ends when it stops, is watched, and must be ready."""
+    state.stopping.on_stop(state.runner.cancel_all)
+    state.readiness.add("store", state.store.check)
+    waiting = "Previews and analyses that compute or wait to."
+    state.telemetry.watch("simulations_running", waiting, lambda: state.runner.under_way)
+    if state.jobs is not None:
+        listening = "Who is told what becomes of jobs."
+        state.readiness.add("engine", state.jobs.manager.engine.check)
+        state.telemetry.watch("job_listeners", listening, lambda: state.job_events.listeners)

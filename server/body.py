@@ -135,26 +135,35 @@ def _too_deep(pointer: str) -> Problem:
 def _check(document: Any, max_values: int) -> list[Problem]:
     """Return what is wrong with the values of a document, by a walk that no depth can break."""
     problems: list[Problem] = []
-    stack: list[tuple[Any, tuple[Any, ...]]] = [(document, ())]
-    count = 0
+    stack: list[tuple[Any, tuple[Any, ...]]] = [([document], ())]
+    count = -1  # the document itself is no value in it
     while stack and len(problems) < MOST_PROBLEMS:
         node, path = stack.pop()
-        if isinstance(node, dict | list):
-            count += len(node)
-            if count > max_values:
-                message = f"the document holds more than {max_values} values"
-                return [Problem("", message, max_values, "send a smaller one: fewer points, rows or components")]
-            if len(path) >= MAX_DEPTH:
-                return [_too_deep(pointer_to(*path[:4]))]
-            children = node.items() if isinstance(node, dict) else enumerate(node)
-            stack.extend((child, (*path, name)) for name, child in reversed(list(children)))
-            complaint = _text_complaint("".join(node)) if isinstance(node, dict) else None
-        else:
-            complaint = _complaint(node)
-        if complaint is not None:
-            clean = [str(name).encode(errors="replace").decode() for name in path]
-            problems.append(Problem(pointer_to(*clean), complaint))
-    return problems
+        count += len(node)
+        if count > max_values:
+            message = f"the document holds more than {max_values} values"
+            return [Problem("", message, max_values, "send a smaller one: fewer points, rows or components")]
+        if len(path) > MAX_DEPTH:
+            return [_too_deep(pointer_to(*path[1:5]))]
+        named = isinstance(node, dict)
+        if named and (complaint := _text_complaint("".join(node))) is not None:
+            problems.append(_at(path, complaint))
+        inner = []
+        for name, child in node.items() if named else enumerate(node):
+            kind = type(child)
+            if kind is dict or kind is list:
+                inner.append((child, (*path, name)))
+            elif kind is not float or not math.isfinite(child):  # most are such numbers
+                complaint = _complaint(child)
+                if complaint is not None:
+                    problems.append(_at((*path, name), complaint))
+        stack.extend(reversed(inner))
+    return problems[:MOST_PROBLEMS]
+
+
+def _at(path: tuple[Any, ...], complaint: str) -> Problem:
+    """Return a problem at a path below the list that holds the document."""
+    return Problem(pointer_to(*(str(name).encode(errors="replace").decode() for name in path[1:])), complaint)
 
 
 def _complaint(value: Any) -> str | None:

@@ -1,4 +1,7 @@
-"""Owns what routes are given: settings, open sessions, the runner, stored designs, jobs, and the decoded body."""
+"""Owns what routes are given: settings, open sessions, the runner, stored designs, jobs, and the decoded body.
+
+What only looks something up is `async`, though it awaits nothing: else each would be passed to a thread and back.
+"""
 
 from __future__ import annotations
 
@@ -16,37 +19,37 @@ from server.settings import Settings
 from server.store.designs import DesignStore
 from server.store.errors import NotFoundError, UnavailableError
 from server.store.identifiers import is_id
-from server.store.jobs import Job
+from server.store.job_records import Job
 
 
-def _settings(request: Request) -> Settings:
+async def _settings(request: Request) -> Settings:
     settings: Settings = request.app.state.settings
     return settings
 
 
-def _live(request: Request) -> LiveSessions | None:
+async def _live(request: Request) -> LiveSessions | None:
     live: LiveSessions | None = request.app.state.live
     return live
 
 
-def _runner(request: Request) -> Runner:
+async def _runner(request: Request) -> Runner:
     runner: Runner = request.app.state.runner
     return runner
 
 
-def _store(request: Request) -> DesignStore:
+async def _store(request: Request) -> DesignStore:
     store: DesignStore = request.app.state.store
     return store
 
 
-def _jobs(request: Request) -> Jobs:
+async def _jobs(request: Request) -> Jobs:
     jobs: Jobs | None = request.app.state.jobs
     if jobs is None:
         raise UnavailableError("this server keeps no jobs: start it as glider-studio does")
     return jobs
 
 
-def _job_events(request: Request, jobs: SharedJobs) -> JobEvents:
+async def _job_events(request: Request, jobs: SharedJobs) -> JobEvents:
     events: JobEvents = request.app.state.job_events
     return events
 

@@ -18,7 +18,7 @@ from starlette.routing import Match
 from models.problems import DesignError, Problem, echo, pointer_to
 from server.quotas import QuotaError
 from server.store.errors import CursorError, DeletedError, NotFoundError, RevisionError, StoreError, UnavailableError
-from server.store.jobs import JobStateError, KeyReusedError
+from server.store.job_records import JobStateError, KeyReusedError
 
 PROBLEM_JSON = "application/problem+json"
 MOST_ERRORS = 100

@@ -28,7 +28,7 @@ def is_unchanged(if_none_match: str | None, version: int | str) -> bool:
     return if_none_match.strip() == "*" or str(version) in (tag for _, tag in ENTITY_TAG.findall(if_none_match))
 
 
-def _allowed(if_match: GivenIfMatch = None) -> frozenset[int] | None:
+async def _allowed(if_match: GivenIfMatch = None) -> frozenset[int] | None:
     if if_match is None or if_match.strip() == "*":
         return None
     # a weak tag never matches here, nor does one that was never given
@@ -36,14 +36,14 @@ def _allowed(if_match: GivenIfMatch = None) -> frozenset[int] | None:
     return frozenset(int(tag) for tag in tags if tag.isascii() and tag.isdecimal() and len(tag) < 10)
 
 
-def _demanded(if_match: GivenIfMatch = None) -> frozenset[int] | None:
+async def _demanded(if_match: GivenIfMatch = None) -> frozenset[int] | None:
     if if_match is None:
         raise HTTPException(
             428,
             "this changes a design that others may be changing too: send If-Match with the ETag that GET answered, "
             'such as If-Match: "3", or If-Match: * to change it whatever it is now',
         )
-    return _allowed(if_match)
+    return await _allowed(if_match)
 
 
 IfMatch = Annotated[frozenset[int] | None, Depends(_demanded)]

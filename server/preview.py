@@ -20,8 +20,10 @@ from models.warm import kernel_is_ready, warm_kernel
 from server.decimation import choose_samples
 from server.schemas import COLUMN_NAMES
 from server.settings import Settings
+from server.time_limits import TimeLimits
 
 DEFAULT_POINTS = 2000
+_TIME_LIMITS = TimeLimits()
 
 
 @dataclass(frozen=True)
@@ -58,13 +60,8 @@ def run_preview(design: Design, settings: Settings, control: Control) -> Preview
         out_of_time.set()
         control.cancel()
 
-    timer = threading.Timer(settings.preview_seconds, stop)
-    timer.daemon = True
-    timer.start()
-    try:
+    with _TIME_LIMITS.within(settings.preview_seconds, stop):
         run = run_assembly(assembly, limits=limits, control=control)
-    finally:
-        timer.cancel()
     message = run.message
     if run.status is Status.cancelled and out_of_time.is_set():
         message = (

@@ -131,15 +131,10 @@ class Quotas:
             Where the job has to wait, or is too large for any day. Nothing is counted then.
 
         """
-        limits = self._limits
+        self.check_running(principal, running)
         if not principal.limited:
             return
-        if 0 < limits.running_jobs <= running:
-            raise QuotaError(
-                f"{running} jobs of the token '{principal.name}' are unfinished, and {limits.running_jobs} may be: "
-                "wait for one to end, or cancel one",
-                limit="quota_running_jobs", bound=limits.running_jobs, retry_after=60.0,
-            )  # fmt: skip
+        limits = self._limits
         with self._lock:
             account, now = self._account(principal), self._clock()
             whose = f"the token '{principal.name}'"
@@ -149,6 +144,16 @@ class Quotas:
                     f"{limits.cases_per_day} cases a day", limit="quota_cases_per_day")  # fmt: skip
             account.jobs.take(1)
             account.cases.take(cases)
+
+    def check_running(self, principal: Principal, running: int) -> None:
+        """Raise `QuotaError` where one more job may not be under way beside so many unfinished ones; nothing counts."""
+        most = self._limits.running_jobs
+        if principal.limited and 0 < most <= running:
+            raise QuotaError(
+                f"{running} jobs of the token '{principal.name}' are unfinished, and {most} may be: "
+                "wait for one to end, or cancel one",
+                limit="quota_running_jobs", bound=most, retry_after=60.0,
+            )  # fmt: skip
 
     def _account(self, principal: Principal) -> _Account:
         account = self._accounts.get(principal.name)

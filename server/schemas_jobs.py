@@ -102,6 +102,7 @@ class JobRecord(Wire):
     failures: list[FailureGroup] = Field(description="Failed cases by reason, the most frequent first; at most 50.")
     stopped_early: bool = Field(description="Whether it ended before all cases were done, since enough was known.")
     trajectories: Literal["none", "all", "some"] = Field(description="Of which cases trajectories are kept.")
+    warnings: list[str] = Field(description="What may surprise: a parameter that changes nothing.")
 
     @property
     def over(self) -> bool:

@@ -24,7 +24,7 @@ from server.jobs.files import TRAJECTORIES, JobFiles
 from server.jobs.plan import Plan
 from server.jobs.tasks import plan_of
 from server.jobs.trajectories import read_trajectory
-from server.store.jobs import Job
+from server.store.job_records import Job
 from server.version import VERSION
 
 LONGEST = 30.0

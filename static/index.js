@@ -31,7 +31,7 @@ async function showPresets() {
     note(items.length ? "" : "No presets are installed. Open a design file to start.");
   } catch (error) {
     const retry = el("button", { class: "btn", type: "button", onclick: showPresets }, "Try again");
-    note(`The presets could not be loaded: ${error.message}.`, retry);
+    note(`The presets could not be loaded: ${error.problem?.detail ?? error.message}.`, retry);
   }
   $("presets").setAttribute("aria-busy", "false");
 }

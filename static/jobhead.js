@@ -40,9 +40,11 @@ export function showHead(job, { ask }) {
   setText($("progress-failed"), failed ? `${whole(failed)} failed` : "");
   setText($("progress-percent"), cases > 0 ? `${Math.floor((100 * done) / cases)} %` : NONE);
   $("facts").replaceChildren(...facts(job).map(([name, value]) => el("div", {}, el("dt", {}, name), el("dd", {}, ...[value].flat()))));
-  $("reason").hidden = why(job) === "";
-  $("reason").classList.toggle("calm", job.state === "queued" || job.stopped_early);
-  setText($("reason-text"), why(job));
+  const { warnings } = job;
+  const told = [why(job), ...warnings].filter((text) => text !== "");
+  $("reason").hidden = told.length === 0;
+  $("reason").classList.toggle("calm", warnings.length === 0 && (job.state === "queued" || job.stopped_early));
+  setText($("reason-text"), told.join(" "));
   showActions($("actions"), job, ask);
   for (const link of $("downloads").querySelectorAll("[data-format]")) link.toggleAttribute("aria-disabled", done === 0);
 }

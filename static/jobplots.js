@@ -47,6 +47,17 @@ function axis(more) {
   };
 }
 
+// A chart keeps to its box: panels beside each other change height as their contents come.
+const fitting = new ResizeObserver((entries) => {
+  for (const { target } of entries) fit(target);
+});
+
+function fit(box) {
+  const { clientWidth: width, clientHeight: height } = box;
+  const drawn = box.layout;
+  if (drawn && width && height && (drawn.width !== width || drawn.height !== height)) window.Plotly.relayout(box, { width, height });
+}
+
 export function draw(box, traces, { x, y, ...more }) {
   const layout = {
     width: box.clientWidth, height: box.clientHeight, margin: { l: 12, r: 12, t: 10, b: 12 }, showlegend: false,
@@ -54,5 +65,7 @@ export function draw(box, traces, { x, y, ...more }) {
     hoverlabel: { bgcolor: cssColor("--panel"), bordercolor: cssColor("--line"), font: { color: cssColor("--ink"), size: 11.5, family: FONT }, align: "left" },
     dragmode: touches.matches ? false : "zoom", xaxis: axis(x), yaxis: axis(y), ...more,
   };
-  return window.Plotly.react(box, traces, layout, CONFIG);
+  const drawn = window.Plotly.react(box, traces, layout, CONFIG);
+  fitting.observe(box); // tells the present size too, once the page is laid out
+  return drawn;
 }

@@ -50,7 +50,7 @@ export function connectStoredList() {
     const retry = el("button", { class: "btn", type: "button", onclick: () => load({ more }) }, "Try again");
     $("stored").hidden = false;
     $("stored-more").hidden = true;
-    note(`The stored designs could not be loaded: ${error.message}.`, retry);
+    note(`The stored designs could not be loaded: ${error.problem?.detail ?? error.message}.`, retry);
   }
 
   function show({ items, next: following }, { search, more }) {

@@ -24,7 +24,7 @@ from server.jobs.service import MOST_CASES, Jobs
 from server.jobs.submission import Request, no_store, prepare
 from server.store import job_tables as tables
 from server.store.database import Database, sqlite_url
-from server.store.jobs import NewJob
+from server.store.job_records import NewJob
 
 BEGIN = 1_767_268_800.0
 """2026-01-01 12:00 UTC, s since 1970: the examples' time, so that they stay as they are."""

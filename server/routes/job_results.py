@@ -29,7 +29,7 @@ from server.preview import PreviewRun, as_mapping, check_columns, thinned
 from server.routes.jobs import ONE, Cursor
 from server.schemas import COLUMN_NAMES, MOST_POINTS
 from server.schemas_jobs import CaseItem, CasePage, CaseTable, Format, JobSummary, Status, Trajectory
-from server.store.jobs import Job
+from server.store.job_records import Job
 from server.store.paging import read_cursor, write_cursor
 from server.trajectory import CaseRun, TooLongError, case_design, case_run, planned
 
@@ -46,11 +46,14 @@ MOST_CASES_A_PAGE, DEFAULT_CASES = 1000, 100
 LONGEST_SLUG = 60
 
 
-def _results(job: OneJob, jobs: SharedJobs) -> Results:
+async def _results(job: OneJob, jobs: SharedJobs) -> Results:
     return Results(jobs.files(job), cases=job.counted, chunk_size=job.chunk_size)
 
 
-def _case(job: OneJob, case: Annotated[int, Path(ge=0, le=2**53, description="Number of a case, from 0.")]) -> int:
+Number = Annotated[int, Path(ge=0, le=2**53, description="Number of a case, from 0.")]
+
+
+async def _case(job: OneJob, case: Number) -> int:
     if case >= job.counted:
         raise HTTPException(404, f"there is no case {case}: the job has cases 0 to {job.counted - 1}")
     return case

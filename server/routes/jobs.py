@@ -18,9 +18,10 @@ from server.job_events import Listener
 from server.jobs.service import Jobs
 from server.jobs.submission import Request as Asked
 from server.openapi import operation
+from server.quotas import Principal
 from server.routes import segments  # noqa: F401
 from server.schemas_jobs import BATCH_SCHEMA, JobPage, JobRecord, Kind, State
-from server.store.jobs import Job
+from server.store.job_records import Job
 from server.store.paging import DEFAULT_A_PAGE, LONGEST_CURSOR, MOST_A_PAGE, read_cursor, write_cursor
 
 router = APIRouter(tags=["jobs"])
@@ -129,7 +130,11 @@ def cancel_job(request: Request, job: OneJob, jobs: SharedJobs) -> Response:
     **operation("retry_job", *CHANGES),
 )  # fmt: skip
 def retry_job(request: Request, job: OneJob, jobs: SharedJobs) -> Response:
-    """Compute again what failed in a job that is over, and what a cancelled one has left out."""
+    """Compute again what failed in a job that is over, and what a cancelled one has left out.
+
+    It counts as one of the unfinished jobs of whoever submitted it, its cases not again.
+    """
+    _require_room(request, job, jobs)
     return _job_answer(jobs, jobs.retry(job.id), _parent(request))
 
 
@@ -139,7 +144,15 @@ def retry_job(request: Request, job: OneJob, jobs: SharedJobs) -> Response:
 )  # fmt: skip
 def resume_job(request: Request, job: OneJob, jobs: SharedJobs) -> Response:
     """Go on with a job that paused by itself, once its reason is done away with: it says why in `reason`."""
+    _require_room(request, job, jobs)
     return _job_answer(jobs, jobs.resume(job.id), _parent(request))
+
+
+def _require_room(request: Request, job: Job, jobs: Jobs) -> None:
+    """Raise `QuotaError` where a job may not go on beside the other unfinished ones of the principal it counts for."""
+    others = jobs.store.count_active(job.principal) - (not job.over)
+    limited = principal_of(request.scope).limited
+    request.app.state.quotas.check_running(Principal(job.principal, limited=limited), others)
 
 
 def _parent(request: Request) -> str:

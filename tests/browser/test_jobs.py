@@ -19,6 +19,10 @@ pytestmark = pytest.mark.browser
 FRONT = "/vehicle/components/1/position/0"
 SLIGHTLY = 24
 MANY = 20_000
+CHARTS_FIT = """() => [...document.querySelectorAll(".plot .main-svg")].every((svg) => {
+  const [chart, box] = [svg.getBoundingClientRect(), svg.closest(".plot").getBoundingClientRect()];
+  return Math.abs(chart.height - box.height) <= 1 && Math.abs(chart.width - box.width) <= 1;
+})"""
 
 
 def batch(kind: str, name: str, **more: Any) -> dict[str, Any]:
@@ -176,6 +180,7 @@ def test_a_click_on_a_point_overlays_the_path_of_its_case(program, watched, api,
     page = opened(watched, program, swept)
     scatter, paths = page.get_by_test_id("scatter"), page.get_by_test_id("paths")
     expect(scatter).to_have_attribute("data-points", str(SLIGHTLY))
+    page.wait_for_function(CHARTS_FIT)
     for n in (3, 11):
         point_at(page, n)
         page.mouse.down()

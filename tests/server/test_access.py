@@ -138,7 +138,8 @@ def test_elsewhere_any_name_will_do_unless_some_are_allowed():
 
 
 @pytest.mark.parametrize(
-    "headers", [{"origin": "http://evil.example"}, {"origin": "null"}, {"sec-fetch-site": "cross-site"}]
+    "headers",
+    [{"origin": "http://evil.example"}, {"origin": "null"}, {"origin": "http://["}, {"sec-fetch-site": "cross-site"}],
 )
 def test_other_sites_change_nothing(headers):
     assert_problem(ask("POST", VALIDATE, preset(), headers=headers), 403, says="GLIDER_STUDIO_CORS_ORIGINS")

@@ -1,84 +1,35 @@
-"""The jobs as the API shows them: submitted once, listed, cancelled, and all that they give, in every format."""
+"""The jobs as the API shows them: submitted once, listed, cancelled, gone on with, within quotas."""
 
 from __future__ import annotations
 
 import asyncio
-import io
 import json
-from pathlib import Path
 
-import numpy as np
-import pyarrow.csv as pacsv
-import pyarrow.parquet as pq
 import pytest
-import xarray as xr
-from scipy.io import loadmat
 
-import server.trajectory
 from models.design import parse_design
-from models.run import Run
-from models.simulate import simulate
 from server.app import create_app
-from server.jobs.engines import SerialEngine
-from server.jobs.opening import finder
-from server.jobs.sensitivity import indices
-from server.jobs.service import Jobs
-from server.jobs.spec import batch_schema, parse_spec
-from server.schemas_jobs import CaseItem, JobPage, JobRecord, JobSummary, Trajectory
+from server.jobs.spec import batch_schema
+from server.schemas_jobs import JobPage, JobRecord
 from server.settings import Settings
-from server.store.database import Database, sqlite_url
-from server.store.designs import DesignStore
 from server.store.records import Content
-from tests.server.job_support import POSITION, finished, glider, listed, running, sweep
+from tests.server.job_api_support import JOBS, NOBODY, Api, idle_api, running_api
+from tests.server.job_support import finished, glider, sweep
 from tests.server.support import ask, assert_problem, read_json
 
-JOBS = "/api/v1/jobs"
-COMMAND = "/mission/control/schedules/0/points/0/extension"
-CASES, KEPT = 12, (0, 7)
-NOBODY = "0" * 26
-TOKEN = "the-token-of-anna-1"
-
-
-class Api:
-    """An application with jobs of its own."""
-
-    def __init__(self, folder: Path, **settings) -> None:
-        self.designs = DesignStore(Database(sqlite_url(folder / "studio.sqlite")))
-        self.jobs = Jobs(
-            self.designs.database, SerialEngine(), folder / "jobs", find_design=finder(self.designs), max_cases=1000
-        )
-        options = {"host": "127.0.0.1", "token": None, "data": folder} | settings
-        self.app = create_app(Settings(**options), store=self.designs, jobs=self.jobs)
-
-    def submit(self, document):
-        return finished(self.jobs, self.jobs.submit(document, fresh=True)[0]).id
-
-    def ask(self, method, path, document=None, **options):
-        return ask(method, JOBS + path, document, app=self.app, **options)
-
-    def get(self, path, **options):
-        answer = self.ask("GET", path, **options)
-        assert answer.status_code == 200, answer.text
-        return read_json(answer)
+TOKEN, OTHER = "the-token-of-anna-1", "the-token-of-bert-1"
 
 
 @pytest.fixture(scope="module")
 def api(tmp_path_factory):
-    """Jobs that run, one that is done and one that is partial."""
-    api = Api(tmp_path_factory.mktemp("api"))
-    with running(api.jobs):
-        api.done = api.submit(sweep(CASES, name="Bellows along the hull", trajectories=list(KEPT)))
-        api.partial = api.submit(listed(COMMAND, [0.0, 0.5, 1e-4], name="=Too far/../é"))
+    with running_api(tmp_path_factory.mktemp("api")) as api:
         yield api
-    api.designs.database.close()
 
 
 @pytest.fixture
 def idle(tmp_path):
-    """Jobs that wait, since nobody works on them."""
-    api = Api(tmp_path)
-    yield api
-    api.designs.database.close()
+    with idle_api(tmp_path) as api:
+        yield api
 
 
 # submitting
@@ -154,12 +105,21 @@ def test_a_stored_design_is_found_at_its_revision(idle):
     assert_problem(idle.ask("POST", "", document | {"design_id": NOBODY}), 422, pointer="/design_id")
 
 
-def test_quotas_count_new_jobs_and_their_cases(tmp_path):
-    api = Api(tmp_path, token=f"anna:{TOKEN}", quota_running_jobs=2, quota_cases_per_day=50)
-    anna = {"Authorization": f"Bearer {TOKEN}"}
+@pytest.fixture
+def limited(tmp_path):
+    """Jobs that wait, of tokens that may have two unfinished ones."""
+    tokens = f"anna:{TOKEN},bert:{OTHER}"
+    with idle_api(tmp_path, token=tokens, quota_running_jobs=2, quota_cases_per_day=50) as api:
+        yield api
 
+
+def asks(token, **headers):
+    return {"headers": {"Authorization": f"Bearer {token}"} | headers}
+
+
+def test_quotas_count_new_jobs_and_their_cases(limited):
     def post(document, **headers):
-        return api.ask("POST", "?fresh=true", document, headers=anna | headers)
+        return limited.ask("POST", "?fresh=true", document, **asks(TOKEN, **headers))
 
     assert_problem(post(sweep(51)), 413, says="51 cases exceeds")
     first = post(sweep(20), **{"Idempotency-Key": "a"})
@@ -171,7 +131,32 @@ def test_quotas_count_new_jobs_and_their_cases(tmp_path):
     assert int(answer.headers["retry-after"]) > 60
     assert post(sweep(20)).status_code == 202
     assert_problem(post(sweep(2)), 429, says="2 jobs of the token 'anna' are unfinished")
-    api.designs.database.close()
+
+
+def test_jobs_that_go_on_again_count_as_unfinished_but_not_their_cases_twice(limited):
+    """Whoever submits and cancels many may not have them all go on, nor have another token ask for it."""
+    ids = []
+    for _ in range(4):
+        ids.append(limited.ask("POST", "?fresh=true", sweep(12), **asks(TOKEN)).json()["id"])
+        limited.ask("POST", f"/{ids[-1]}:cancel", **asks(TOKEN))
+    for job_id in ids[:2]:
+        assert limited.ask("POST", f"/{job_id}:retry", **asks(TOKEN)).status_code == 202
+    for token in (TOKEN, OTHER):
+        answer = limited.ask("POST", f"/{ids[2]}:retry", **asks(token))
+        assert_problem(answer, 429, says="2 jobs of the token 'anna' are unfinished, and 2 may be")
+        assert answer.headers["retry-after"] == "60"
+    assert limited.jobs.store.get(ids[2]).state == "cancelled"
+    limited.ask("POST", f"/{ids[0]}:cancel", **asks(TOKEN))
+    assert limited.ask("POST", f"/{ids[2]}:retry", **asks(TOKEN)).status_code == 202
+
+
+def test_a_paused_job_is_unfinished_already_and_may_go_on(limited):
+    for _ in range(2):
+        limited.ask("POST", "?fresh=true", sweep(2), **asks(TOKEN))
+    store = limited.jobs.store
+    for job in store.claim("somebody", 60.0, most=2):
+        store.pause(job.id, "somebody", "the disk is full")
+        assert limited.ask("POST", f"/{job.id}:resume", **asks(TOKEN)).json()["state"] == "queued"
 
 
 def test_without_jobs_the_server_says_so():
@@ -239,196 +224,6 @@ def test_the_batch_document_comes_back_and_gives_the_same_job(api):
 
 def test_the_schema_is_the_documents_own(api):
     assert read_json(ask("GET", "/api/v1/schemas/batch", app=api.app)) == json.loads(json.dumps(batch_schema()))
-
-
-# cases
-
-
-def test_cases_are_paged_and_filtered(api):
-    whole = api.get(f"/{api.done}/cases")
-    assert [item["case"] for item in whole["items"]] == list(range(CASES)) and whole["next"] is None
-    first = api.get(f"/{api.done}/cases", params={"limit": 5})
-    second = api.get(f"/{api.done}/cases", params={"limit": 5, "cursor": first["next"]})
-    assert first["items"] + second["items"] == whole["items"][:10]
-    items = api.get(f"/{api.partial}/cases?status=refused&status=crashed")["items"]
-    assert [(item["case"], item["status"]) for item in items] == [(1, "refused")]
-    assert "outside its stops" in items[0]["reason"] and set(items[0]["metrics"].values()) == {None}
-    assert items[0]["parameters"] == {"value": 0.5}
-    assert api.get(f"/{api.done}/cases/7") == whole["items"][7]
-    CaseItem.model_validate(whole["items"][7])
-
-
-@pytest.mark.parametrize(
-    ("path", "status"),
-    [("/cases/12", 404), ("/cases/-1", 422), ("/cases/x", 422), ("/cases/1e3", 422), (f"/cases/{10**30}", 422),
-     ("/cases?status=fine", 422), ("/cases?limit=1001", 422), ("/cases?cursor=e30", 422)],
-)  # fmt: skip
-def test_cases_that_are_not_there(api, path, status):
-    assert_problem(api.ask("GET", f"/{api.done}{path}"), status)
-
-
-def test_a_case_that_is_not_done_says_so(idle):
-    job_id = idle.ask("POST", "", sweep()).json()["id"]
-    assert_problem(idle.ask("GET", f"/{job_id}/cases/3"), 404, says="case 3 is not done: the job is queued")
-    assert idle.get(f"/{job_id}/cases") == {"items": [], "next": None}
-    assert idle.get(f"/{job_id}/results")["columns"] == {"case": [], "status": [], "reason": []}
-    assert idle.get(f"/{job_id}/summary")["cases"] == 0
-
-
-def test_the_design_of_a_case_is_the_one_that_was_simulated(api):
-    design = parse_design(api.get(f"/{api.done}/cases/7/design"))
-    case = api.get(f"/{api.done}/cases/7")
-    assert design.vehicle.components[1].position[0] == case["parameters"]["place"]
-    assert simulate(design).final["x"] == pytest.approx(case["metrics"]["range"], rel=1e-9)
-
-
-# trajectories
-
-
-@pytest.mark.parametrize("case", [7, 3])
-def test_a_trajectory_is_the_cases_own_whether_kept_or_simulated_again(api, case):
-    shown = api.get(f"/{api.done}/cases/{case}/trajectory")
-    assert Trajectory.model_validate(shown, strict=False).kept == (case in KEPT)
-    run = simulate(parse_design(api.get(f"/{api.done}/cases/{case}/design")))
-    assert shown["status"] == run.status.name and shown["message"] == run.message and shown["case"] == case
-    assert shown["columns"]["t"] == run.times.tolist()
-    for name in ("x", "z", "theta"):
-        assert shown["columns"][name] == pytest.approx(run.values[name].tolist(), rel=1e-12, abs=1e-12)
-    assert [cell["name"] for cell in shown["cells"]] == list(run.cells)
-    for k, cell in enumerate(shown["cells"]):
-        assert cell["extension"] == pytest.approx(run.cell_values["extension"][:, k].tolist(), rel=1e-12, abs=1e-12)
-    metrics = api.get(f"/{api.done}/cases/{case}")["metrics"]
-    assert metrics["final_depth"] == shown["final"]["z"]
-
-
-def test_kept_and_simulated_again_are_equal_to_the_last_bit(api, monkeypatch):
-    kept = api.get(f"/{api.done}/cases/7/trajectory")
-    monkeypatch.setattr("server.trajectory._kept_run", lambda *_: None)
-    again = api.get(f"/{api.done}/cases/7/trajectory")
-    assert kept["kept"] and not again["kept"]
-    assert kept["columns"] == again["columns"] and kept["cells"] == again["cells"] and kept["final"] == again["final"]
-
-
-def test_trajectories_are_thinned_and_come_as_files(api, tmp_path):
-    path = f"/{api.done}/cases/0/trajectory"
-    shown = api.get(path, params={"columns": "x, z", "max_points": 5})
-    assert set(shown["columns"]) == {"t", "x", "z"} and len(shown["columns"]["t"]) == 5
-    whole = api.get(path)
-    for name in ("x", "z"):
-        assert min(shown["columns"][name]) == min(whole["columns"][name])
-    text = api.ask("GET", path, headers={"accept": "text/csv"}, params={"max_points": 5})
-    assert len(text.text.splitlines()) == 6 and text.headers["content-type"].startswith("text/csv")
-    assert f"{api.done}-case-0.csv" in text.headers["content-disposition"]
-    file = tmp_path / "case.nc"
-    file.write_bytes(api.ask("GET", path, headers={"accept": "application/x-netcdf"}).content)
-    run = Run.from_netcdf(file)
-    assert run.times.tolist() == whole["columns"]["t"] and run.values["z"].tolist() == whole["columns"]["z"]
-
-
-@pytest.mark.parametrize(
-    ("query", "says"), [("columns=depth", "no column 'depth'"), ("max_points=1", "max_points"), ("columns=", None)]
-)
-def test_odd_trajectories_are_refused(api, query, says):
-    answer = api.ask("GET", f"/{api.done}/cases/0/trajectory?{query}")
-    if says is None:
-        assert set(read_json(answer)["columns"]) == {"t"}
-    else:
-        assert_problem(answer, 422, says=says)
-
-
-def test_a_refused_case_has_neither_design_nor_trajectory(api):
-    answer = api.ask("GET", f"/{api.partial}/cases/1/trajectory")
-    assert_problem(answer, 422, pointer=COMMAND, says="outside its stops")
-    assert_problem(api.ask("GET", f"/{api.done}/cases/0/trajectory", headers={"accept": "image/png"}), 406)
-
-
-def test_a_case_that_takes_too_long_again_says_how_to_keep_it(api, monkeypatch):
-    monkeypatch.setattr(server.trajectory, "LONGEST", 0.0)
-    design = glider(duration=1000.0)
-    design["mission"]["solver"] |= {"method": "rk4", "step": 2.5e-4, "output_interval": 10.0}
-    job, _ = api.jobs.submit(sweep(2, design=design))
-    answer = api.ask("GET", f"/{job.id}/cases/1/trajectory")
-    api.jobs.cancel(job.id)
-    assert_problem(answer, 409, says='"trajectories\\": [1]')
-
-
-def test_another_kernel_is_told(api, monkeypatch):
-    path = f"/{api.done}/cases/3/trajectory"
-    assert not any("kernel" in item["message"] for item in api.get(path)["warnings"])
-    monkeypatch.setattr("models.simulate.KERNEL_HASH", "another")
-    warning = api.get(path)["warnings"][0]["message"]
-    assert "kernel another" in warning and api.get(f"/{api.done}")["engine"]["kernel"] in warning
-
-
-# results
-
-
-def table(api, media, job=None):
-    answer = api.ask("GET", f"/{job or api.done}/results", headers={"accept": media})
-    assert answer.status_code == 200 and answer.headers["content-type"].split(";")[0] == media
-    assert answer.headers["content-disposition"].startswith('attachment; filename="bellows-along-the-hull-')
-    return answer.content
-
-
-def test_all_formats_hold_the_same_numbers(api, tmp_path):
-    cases = api.get(f"/{api.done}/cases")["items"]
-    ranges = [case["metrics"]["range"] for case in cases]
-    shown = json.loads(table(api, "application/json"))
-    assert shown["columns"]["range"] == ranges and shown["units"]["range"] == "m"
-    assert shown["columns"]["status"] == [case["status"] for case in cases]
-    assert pacsv.read_csv(io.BytesIO(table(api, "text/csv"))).column("range [m]").to_pylist() == ranges
-    parquet = pq.read_table(io.BytesIO(table(api, "application/vnd.apache.parquet")))
-    assert parquet.column("range").to_pylist() == ranges
-    assert parquet.schema.field("range").metadata[b"unit"] == b"m"
-    (tmp_path / "r.nc").write_bytes(table(api, "application/x-netcdf"))
-    with xr.open_dataset(tmp_path / "r.nc", decode_times=False) as data:
-        assert data["range"].values.tolist() == ranges and data.attrs["title"] == "Bellows along the hull"
-        assert json.loads(data.attrs["batch_document"])["kind"] == "sweep"
-        assert np.flatnonzero(data["row_size"].values).tolist() == list(KEPT)
-    stored = loadmat(io.BytesIO(table(api, "application/x-matlab-data")))
-    assert stored["range"].ravel().tolist() == ranges
-    assert not list(api.jobs.files(api.jobs.store.get(api.done)).folder.glob("download-*"))
-
-
-def test_links_choose_a_format_by_name(api):
-    answer = api.ask("GET", f"/{api.partial}/results?format=csv", headers={"accept": "text/html"})
-    assert answer.headers["content-type"].startswith("text/csv") and "refused" in answer.text
-    assert answer.headers["content-disposition"] == f'attachment; filename="too-far-{api.partial}.csv"'
-    assert_problem(api.ask("GET", f"/{api.partial}/results?format=xlsx"), 422, says="format")
-    assert_problem(api.ask("GET", f"/{api.partial}/results", headers={"accept": "text/html"}), 406)
-
-
-def test_results_that_are_gone_are_told(tmp_path):
-    api = Api(tmp_path)
-    with running(api.jobs):
-        job_id = api.submit(sweep(3))
-    api.jobs.files(api.jobs.store.get(job_id)).path(0).write_bytes(b"not Parquet")
-    for path in ("/cases", "/summary", "/results?format=mat"):
-        assert_problem(api.ask("GET", f"/{job_id}{path}"), 404, says="run the job again")
-    api.designs.database.close()
-
-
-def test_the_summary_is_that_of_the_numbers(api):
-    summary = JobSummary.model_validate(api.get(f"/{api.done}/summary"), strict=False)
-    ranges = [case["metrics"]["range"] for case in api.get(f"/{api.done}/cases")["items"]]
-    told = summary.metrics["range"]
-    assert (summary.cases, told.count, told.missing) == (CASES, CASES, 0)
-    assert told.mean == pytest.approx(np.mean(ranges)) and told.percentiles["50"] == pytest.approx(np.median(ranges))
-    assert {item.parameter for item in summary.correlations} == {"place"} and summary.indices is None
-    partial = JobSummary.model_validate(api.get(f"/{api.partial}/summary"), strict=False)
-    assert partial.failed == 1 and partial.failures[0].case == 1
-    assert JobRecord.model_validate(api.get(f"/{api.partial}"), strict=False).failures == partial.failures
-
-
-def test_a_sensitivity_study_has_indices(api):
-    place = {"name": "place", "pointer": POSITION, "low": 0.05, "high": 0.3}
-    study = {"kind": "sensitivity", "method": {"kind": "morris", "trajectories": 4}, "parameters": [place]}
-    job_id = api.submit(sweep() | study | {"metrics": ["range"]})
-    summary = JobSummary.model_validate(api.get(f"/{job_id}/summary"), strict=False)
-    ranges = [case["metrics"]["range"] for case in api.get(f"/{job_id}/cases")["items"]]
-    own = indices(parse_spec(api.get(f"/{job_id}/spec")), ["place"], {"range": ranges})
-    assert summary.indices["range"].model_dump(exclude_none=True) | {"reason": None} == own["range"]
-    assert summary.indices["range"].mu_star["place"].value > 0.0
 
 
 def test_health_asks_the_engine_too(api):

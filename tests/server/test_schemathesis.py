@@ -52,7 +52,7 @@ def on_postgresql(tmp_path_factory: pytest.TempPathFactory, postgres: Postgres) 
 @REPEATED
 def test_answers_are_as_documented(case, api):
     api.point_at_what_is_there(case)
-    case.call_and_validate(base_url=api.url, checks=FROM_A_SCHEMA, timeout=LONGEST)
+    case.call_and_validate(base_url=api.url, session=api.session, checks=FROM_A_SCHEMA, timeout=LONGEST)
 
 
 # bodies
@@ -125,9 +125,9 @@ def right_bodies() -> dict[str, list[Any]]:
 
 BODIES = right_bodies()
 ODD_VALUES: tuple[Any, ...] = (
-    None, True, 0, -1, 2**31, 2**63, 10**30, 10**400, 1.5, 5e-324, 1e-12, 1e12, 1e308, -1e308, float("nan"), float("inf"),
-    "", "\x00", "\ud800", "\U0010ffff", "~2", "/", "../..", "x" * 10_000, "case", "theta", [], {}, [[]], {"": None},
-    [0] * 300,
+    None, True, 0, -1, 2**31, 2**63, 10**30, 10**400, 1.5, 5e-324, 1e-12, 1e12, 1e308, -1e308, float("nan"),
+    float("inf"), "", "\x00", "\ud800", "\U0010ffff", "~2", "/", "../..", "x" * 10_000, "case", "theta", [], {}, [[]],
+    {"": None}, [0] * 300,
 )  # fmt: skip
 FACTORS = (0.0, -1.0, 1e-12, 1e-3, 0.5, 1.0000001, 2.0, 1e3, 1e6)
 
@@ -160,7 +160,7 @@ def spoilt(draw: st.DrawFn, right: list[Any]) -> Any:
             parent[name],
             draw(st.sampled_from(("scale", "scale", "replace", "replace", "remove", "double", "move"))),
         )
-        if deed == "scale" and type(old) in (int, float):
+        if deed == "scale" and type(old) in (int, float) and abs(old) < 1e300:
             parent[name] = type(old)(old * draw(st.sampled_from(FACTORS)))
         elif deed == "remove":
             del parent[name]
@@ -174,15 +174,16 @@ def spoilt(draw: st.DrawFn, right: list[Any]) -> Any:
     return body
 
 
-def assert_as_documented(operation_id: str, answer: requests.Response) -> None:
-    SCHEMA.find_operation_by_id(operation_id).Case().validate_response(answer, checks=CHECKS)
-
-
-def sent(api: WholeApi, operation_id: str, *, names: dict[str, Any] | None = None, **options: Any) -> requests.Response:
-    """Return the answer to a request for what there is, or for other names."""
+def assert_documented(
+    api: WholeApi, operation_id: str, *, names: dict[str, Any] | None = None, **options: Any
+) -> requests.Response:
+    """Send a request for what there is, or for other names; return the answer, which is as documented."""
     operation = OPERATIONS[operation_id]
-    path = api.path_of(operation, api.names(operation, 0) | (names or {}))
-    with requests.request(operation["method"], path, timeout=LONGEST, **options) as answer:
+    named = api.names(operation, 0) | (names or {})
+    path = api.path_of(operation, named)
+    with api.session.request(operation["method"], path, timeout=LONGEST, **options) as answer:
+        case = SCHEMA.find_operation_by_id(operation_id).Case(path_parameters=named)
+        case.validate_response(answer, checks=CHECKS)
         return answer
 
 
@@ -192,10 +193,8 @@ def test_spoilt_bodies_are_answered_as_documented(on_postgresql, operation_id):
     @given(spoilt(BODIES[operation_id]))
     def ask(body):
         content = json.dumps(body).encode()
-        answer = sent(
-            on_postgresql, operation_id, data=content, headers={"content-type": "application/json", "if-match": "*"}
-        )
-        assert_as_documented(operation_id, answer)
+        headers = {"content-type": "application/json", "if-match": "*"}
+        answer = assert_documented(on_postgresql, operation_id, data=content, headers=headers)
         if operation_id == "create_job" and answer.status_code == 202:
             assert_results_are_as_documented(on_postgresql, answer.json()["id"])
 
@@ -203,25 +202,24 @@ def test_spoilt_bodies_are_answered_as_documented(on_postgresql, operation_id):
 
 
 RESULTS = (
-    "watch_job", "get_job", "get_job_spec", "get_summary", "list_cases", "get_case", "get_case_design", "get_trajectory",
+    "watch_job", "get_job", "get_job_spec", "get_summary", "list_cases", "get_case", "get_case_design",
+    "get_trajectory",
 )  # fmt: skip
 
 
 def assert_results_are_as_documented(api: WholeApi, job_id: str) -> None:
     """Check all that a job gives once it is over."""
     for operation_id in RESULTS:
-        answer = sent(api, operation_id, names={"job_id": job_id, "case": 0})
-        assert_as_documented(operation_id, answer)
+        assert_documented(api, operation_id, names={"job_id": job_id, "case": 0})
     for format in ("json", "csv", "parquet", "netcdf", "mat"):
-        answer = sent(api, "get_results", names={"job_id": job_id}, params={"format": format})
-        assert_as_documented("get_results", answer)
+        assert_documented(api, "get_results", names={"job_id": job_id}, params={"format": format})
 
 
 # names, queries and headers
 
 ODD_TEXTS = (
-    "%00", "a%00b", "%ED%A0%80", "%FF%FE", "%F0%9F%9A%80", "%20", "a%2Fb", "a%3Arestore", "%27%22%3B--", "%25", "%5C%25_",
-    "x" * 5000, "-1", "1e3", "9" * 400, "%C2%B2", "null",
+    "%00", "a%00b", "%ED%A0%80", "%FF%FE", "%F0%9F%9A%80", "%20", "a%2Fb", "a%3Arestore", "%27%22%3B--", "%25",
+    "%5C%25_", "x" * 5000, "-1", "1e3", "9" * 400, "%C2%B2", "null",
 )  # fmt: skip
 """As they stand in an address: not in UTF-8, with NUL, halves of surrogates, separators, and numbers that are none."""
 ODD_HEADERS: tuple[tuple[str, str], ...] = (
@@ -231,9 +229,10 @@ ODD_HEADERS: tuple[tuple[str, str], ...] = (
     ("if-none-match", '"'), ("if-none-match", "*"), ("if-none-match", 'W/"1", é'),
     ("last-event-id", "-1"), ("last-event-id", "9" * 50), ("last-event-id", "²"), ("last-event-id", ""),
     ("idempotency-key", "k" * 255), ("idempotency-key", "é"), ("idempotency-key", "k" * 5000),
-    ("content-type", "application/json; charset=utf-16"), ("content-type", ";;"), ("content-type", "multipart/form-data"),
-    ("content-encoding", "gzip"), ("host", "elsewhere.example"), ("host", "["), ("origin", "https://elsewhere.example"),
-    ("origin", "http://["), ("cookie", "gs_token=é; =;"), ("authorization", "Bearer \xff"), ("x-request-id", "é" * 300),
+    ("content-type", "application/json; charset=utf-16"), ("content-type", ";;"), ("content-encoding", "gzip"),
+    ("content-type", "multipart/form-data"), ("host", "elsewhere.example"), ("host", "["), ("host", ""),
+    ("origin", "https://elsewhere.example"), ("origin", "http://["), ("cookie", "gs_token=é; =;"),
+    ("authorization", "Bearer \xff"), ("x-request-id", "é" * 300),
 )  # fmt: skip
 
 
@@ -258,8 +257,7 @@ def with_body(operation_id: str, headers: dict[str, str] | None = None) -> dict[
 def test_odd_names_are_answered_as_documented(on_postgresql, operation_id):
     for name in parameters(OPERATIONS[operation_id], "path"):
         for text in ODD_TEXTS:
-            answer = sent(on_postgresql, operation_id, names={name: text}, **with_body(operation_id))
-            assert_as_documented(operation_id, answer)
+            assert_documented(on_postgresql, operation_id, names={name: text}, **with_body(operation_id))
 
 
 @pytest.mark.parametrize("operation_id", [name for name, item in OPERATIONS.items() if parameters(item, "query")])
@@ -267,12 +265,14 @@ def test_odd_queries_are_answered_as_documented(on_postgresql, operation_id):
     for name in [*parameters(OPERATIONS[operation_id], "query"), "unknown"]:
         for text in ODD_TEXTS:
             query = f"{name}={text}&{name}={text}"
-            answer = sent(on_postgresql, operation_id, params=query, **with_body(operation_id))
-            assert_as_documented(operation_id, answer)
+            assert_documented(on_postgresql, operation_id, params=query, **with_body(operation_id))
 
 
 @pytest.mark.parametrize("operation_id", OPERATIONS)
 def test_odd_headers_are_answered_as_documented(on_postgresql, operation_id):
-    for header, value in ODD_HEADERS:
-        answer = sent(on_postgresql, operation_id, **with_body(operation_id, {header: value}))
-        assert_as_documented(operation_id, answer)
+    """All that the operation reads, and every fifth of the others, which are the same code for all operations."""
+    read = {name.lower() for name in parameters(OPERATIONS[operation_id], "header")}
+    turn = list(OPERATIONS).index(operation_id)
+    for number, (header, value) in enumerate(ODD_HEADERS):
+        if header in read or (number + turn) % 5 == 0:
+            assert_documented(on_postgresql, operation_id, **with_body(operation_id, {header: value}))

@@ -20,7 +20,7 @@ from scipy.io import loadmat
 from models.presets import load_preset
 from server.jobs import engines
 from server.jobs.engines import SerialEngine
-from server.store.jobs import Job
+from server.store.job_records import Job
 from studio import batch_progress
 from studio.__main__ import main
 from studio.batch_arguments import EXAMPLES, FORMATS, example
