@@ -12,7 +12,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from models.fields import Description, Name, Vector3, quantity, require_direction, text, vector
+from models.fields import Description, Name, Switch, Vector3, quantity, require_direction, text, vector
 from models.shapes import Shape
 
 SMALLEST_STROKE = 1e-9
@@ -161,7 +161,7 @@ class Bellows(_Stroked, _Displacing):
     gap_volume: float = quantity(
         "Volume of one gap between pleats.", unit="m3", symbol="V_gap", ge=0.0, le=1e2, default=0.0
     )
-    as_printed: bool = text("Use the frustum height as the paper prints it (Eq. 10).", default=False)
+    as_printed: Switch = text("Use the frustum height as the paper prints it (Eq. 10).", default=False)
 
     @model_validator(mode="after")
     def _radii_and_stroke(self) -> Self:

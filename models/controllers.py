@@ -14,7 +14,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from models.components import Extension
-from models.fields import Description, Name, quantity, text, vector
+from models.fields import LARGEST_WHOLE, Description, Name, Switch, quantity, text, vector
 
 LARGEST_FORCE = 1e6
 Angle = Annotated[float, Field(strict=True, ge=-math.pi, le=math.pi)]
@@ -37,7 +37,7 @@ class Noise(Description):
     rate: float = quantity("Of the angular velocity.", unit="rad/s", symbol="s_w", ge=0.0, le=10.0, default=0.0)
     place: float = quantity("Of the place north and east.", unit="m", symbol="s_x", ge=0.0, le=1e5, default=0.0)
     seed: int = quantity(
-        "Seed: the same seed gives the same errors.", unit="1", symbol="seed", ge=0, le=2**53, default=0
+        "Seed: the same seed gives the same errors.", unit="1", symbol="seed", ge=0, le=LARGEST_WHOLE, default=0
     )
 
 
@@ -184,7 +184,7 @@ class Waypoints(Description):
         "Gain of the integral that leans into a current, with a lookahead.",
         unit="m/s", symbol="sigma", ge=0.0, le=1e3, default=0.0,
     )  # fmt: skip
-    repeat: bool = text("Begin again after the last, or hold on along the last leg.", default=False)
+    repeat: Switch = text("Begin again after the last, or hold on along the last leg.", default=False)
 
     @model_validator(mode="after")
     def _legs_have_a_length(self) -> Self:

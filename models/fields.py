@@ -9,6 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 LENGTH_LIMIT = 1e4
 """Largest coordinate or extension in a vehicle, m."""
+LARGEST_WHOLE = 2**53 - 1
+"""Largest whole number that is the same on every machine: canonical JSON (RFC 8785) holds none beyond."""
 
 
 class Description(BaseModel):
@@ -35,6 +37,8 @@ def text(description: str, **options: Any) -> Any:
     return Field(description=description, **options)
 
 
+Switch = Annotated[bool, Field(strict=True)]
+"""True or false, which numbers and words are not."""
 Coordinate = Annotated[float, Field(strict=True, ge=-LENGTH_LIMIT, le=LENGTH_LIMIT)]
 Vector3 = tuple[Coordinate, Coordinate, Coordinate]
 Rate = Annotated[float, Field(strict=True, ge=-1e3, le=1e3)]

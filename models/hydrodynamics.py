@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from models.fields import Description, Vector3, quantity, text, vector
+from models.fields import Description, Switch, Vector3, quantity, text, vector
 
 Degrees = Annotated[float, Field(strict=True, ge=0.0, le=90.0)]
 Speed = Annotated[float, Field(strict=True, ge=1e-4, le=100.0)]
@@ -58,7 +58,7 @@ class LateralCoefficients(Description):
     """
 
     source: str = text("How the coefficients were found.", min_length=1, max_length=4000)
-    includes_munk_moment: bool = text(
+    includes_munk_moment: Switch = text(
         "Whether roll and yaw moments already hold the Munk moment; those of strip theory do not.", default=False
     )
     sway_sideslip: float = coefficient("Force to starboard by sideslip.", unit="N s2/(m2 rad)", symbol="Y_b")
@@ -94,7 +94,7 @@ class PolarTable(Source):
         "Use only the rows of this speed; none averages the coefficients of all speeds.",
         unit="m/s", symbol="V_data", default=None,
     )  # fmt: skip
-    includes_munk_moment: bool = text(
+    includes_munk_moment: Switch = text(
         "Whether the moment was measured on the body in a stream, and so already holds the Munk moment.", default=True
     )
     lateral: LateralCoefficients | None = text(
@@ -166,7 +166,7 @@ Matrix6 = tuple[MatrixRow, MatrixRow, MatrixRow, MatrixRow, MatrixRow, MatrixRow
 class AddedMass(Description):
     """Added mass about the body origin in body axes: surge, sway, heave, roll, pitch, yaw."""
 
-    enabled: bool = text("Whether the added mass enters the equations.", default=True)
+    enabled: Switch = text("Whether the added mass enters the equations.", default=True)
     matrix: Matrix6 = vector("Symmetric 6x6 matrix: kg, kg m and kg m2 by block.", unit="kg, kg m, kg m2", symbol="M_A")
     density: float = quantity(
         "Density at which the matrix holds; it scales with the water's.",

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from models.fields import text, vector
+from models.fields import Switch, text, vector
 from models.hydrodynamics import SMALLEST_SPACING_DEG, Force, RateTerms, Source
 
 MAX_ANGLES = 721
@@ -31,7 +31,7 @@ class AngleTable(Source):
     """
 
     kind: Literal["angle_table"] = text("Which source this is: a table over angle of attack and sideslip.")
-    includes_munk_moment: bool = text(
+    includes_munk_moment: Switch = text(
         "Whether the moments were measured on the body in a stream, and so already hold the Munk moment.", default=True
     )
     alpha_deg: tuple[Attack, ...] = vector(

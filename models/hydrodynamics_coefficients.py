@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from models.fields import quantity, text
+from models.fields import Switch, quantity, text
 from models.hydrodynamics import Source, coefficient
 
 PER_SPEED2, MOMENT_PER_SPEED2 = "N s2/m2", "N m s2/m2"
@@ -19,7 +19,7 @@ class CoefficientForm(Source):
     """Lift, drag, side force and moments by the coefficients of the glider literature."""
 
     kind: Literal["coefficients"] = text("Which source this is: coefficients of the glider literature.")
-    includes_munk_moment: bool = text(
+    includes_munk_moment: Switch = text(
         "Whether the moments already hold the Munk moment; those of the literature do not.", default=False
     )
     alpha_limit_deg: float = quantity(

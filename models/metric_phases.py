@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from models.fields import Description, Name, quantity, text
+from models.fields import Description, Name, Switch, quantity, text
 
 LONGEST = 1e9
 """Largest time that a phase may name, s."""
@@ -56,7 +56,7 @@ class Limited(Description):
                                    ge=-1e15, le=1e15, default=None)  # fmt: skip
     below: float | None = quantity("Counts while smaller than this.", unit="that of the output", symbol="l",
                                    ge=-1e15, le=1e15, default=None)  # fmt: skip
-    absolute: bool = text("Whether magnitudes count, whatever the sign.", default=False)
+    absolute: Switch = text("Whether magnitudes count, whatever the sign.", default=False)
 
     @model_validator(mode="after")
     def _has_one_limit(self) -> Self:

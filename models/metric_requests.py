@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from models.fields import Description, Name, quantity, text
+from models.fields import Description, Name, Switch, quantity, text
 from models.metric_phases import (
     WHOLE,
     EventAt,
@@ -60,7 +60,7 @@ class Statistic(_Named):
         "Of a percentile: the share of time in which the output is smaller.",
         unit="%", symbol="P", ge=0.0, le=100.0, default=None,
     )  # fmt: skip
-    absolute: bool = text("Whether magnitudes count, whatever the sign.", default=False)
+    absolute: Switch = text("Whether magnitudes count, whatever the sign.", default=False)
 
     @model_validator(mode="after")
     def _percent_is_of_percentiles(self) -> Self:

@@ -9,10 +9,10 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from models.fields import Description, text
+from models.fields import LARGEST_WHOLE, Description, text
 from models.variation import Target
 
-LARGEST_SEED = 2**53 - 1
+LARGEST_SEED = LARGEST_WHOLE
 """The largest whole number that JSON, tables and the documents of designs all keep exactly."""
 
 ColumnName = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x20\x7f][^\x00-\x1f\x7f]*$")]

@@ -12,7 +12,7 @@ import rfc8785
 from pydantic import Discriminator, Field, Tag, TypeAdapter, ValidationError, field_validator, model_validator
 
 from models.design import Design, parse_design
-from models.fields import Description, text
+from models.fields import LARGEST_WHOLE, Description, Switch, text
 from models.metric_requests import MetricRequest
 from models.problems import DesignError, Problem, echo, pointer_to, problems_from_validation
 from server.jobs.parameters import LARGEST_SEED, Correlation, Drawn, Levels, Parameter, Range, number
@@ -24,8 +24,8 @@ WORDS = ("name", "notes", "design", "design_id", "revision")
 """Fields that decide no number, or whose content the checksum takes from the design itself."""
 
 MOST_PARAMETERS = 1000
-Count = Annotated[int, Field(strict=True, ge=1, le=2**53)]
-Case = Annotated[int, Field(strict=True, ge=0, le=2**53)]
+Count = Annotated[int, Field(strict=True, ge=1, le=LARGEST_WHOLE)]
+Case = Annotated[int, Field(strict=True, ge=0, le=LARGEST_WHOLE)]
 Kept = Annotated[
     Annotated[Literal["none", "all"], Tag("word")] | Annotated[tuple[Case, ...], Tag("cases")],
     Discriminator(lambda given: "word" if isinstance(given, str) else "cases"),
@@ -91,7 +91,7 @@ class SobolIndices(Description):
     base: Annotated[int, Field(strict=True, ge=8, le=2**30)] = text(
         "Base points, a power of 2; n parameters take n + 2 times as many cases, 2 n + 2 with second order."
     )
-    second_order: bool = text("Whether interactions of pairs are found too.", default=False)
+    second_order: Switch = text("Whether interactions of pairs are found too.", default=False)
 
     @field_validator("base")
     @classmethod
@@ -256,7 +256,7 @@ def _check_header(document: dict[str, Any]) -> None:
 
 
 def _odd_numbers(value: Any, *path: object) -> Iterator[Problem]:
-    """Yield the numbers that JSON cannot carry from machine to machine: not finite, or whole ones beyond 2^53."""
+    """Yield the numbers that JSON cannot carry from machine to machine: not finite, or whole ones from 2^53 on."""
     if isinstance(value, dict):
         for key, item in value.items():
             yield from _odd_numbers(item, *path, key)
@@ -265,9 +265,9 @@ def _odd_numbers(value: Any, *path: object) -> Iterator[Problem]:
             yield from _odd_numbers(item, *path, k)
     elif isinstance(value, float) and not math.isfinite(value):
         yield Problem(pointer_to(*path), f"{value} is not a finite number", hint="give a finite number")
-    elif isinstance(value, int) and abs(value) > 2**53:
-        message = "a whole number beyond 2^53 is not the same on every machine"
-        yield Problem(pointer_to(*path), message, 2**53, "write it as a decimal number, or smaller")
+    elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+        message = "a whole number from 2^53 on is not the same on every machine"
+        yield Problem(pointer_to(*path), message, LARGEST_WHOLE, "write it as a decimal number, or smaller")
 
 
 def canonical(spec: JobSpec) -> bytes:

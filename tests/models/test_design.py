@@ -104,6 +104,7 @@ def test_an_unknown_field_is_refused_by_its_pointer(path, pointer):
     ("/vehicle/components/1/kind", "rocket"),
     ("/vehicle/damping/pitch", -0.1),
     ("/vehicle/hydrodynamics/row_drag/3", "2"),
+    ("/vehicle/hydrodynamics/includes_munk_moment", 1),
     ("/mission/duration", 0.0),
     ("/mission/solver/method", "euler"),
     ("/mission/environment/gravity", 1e9),
@@ -177,6 +178,16 @@ def test_no_component_is_refused():
     changed = document()
     changed["vehicle"]["components"] = []
     assert pointers_of(changed) == ["/vehicle/components"]
+
+
+def test_the_largest_seed_has_an_identity_and_a_larger_one_is_refused():
+    changed = load_preset("quad-bellows-heading").model_dump(mode="json")
+    noise = changed["mission"]["control"]["controller"]["noise"]
+    noise["seed"] = 2**53 - 1
+    assert len(parse_design(changed).identity) == 64
+    noise["seed"] = 2**53
+    (problem,) = problems_of(changed)
+    assert problem.pointer.endswith("/noise/seed") and problem.limit == 2**53 - 1
 
 
 def test_a_table_without_rows_is_refused():
