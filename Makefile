@@ -62,7 +62,11 @@ bench: setup-dev
 	$(BIN)/python -m benchmarks.linear
 	$(BIN)/python -m benchmarks.trim
 	$(BIN)/python -m benchmarks.latency
+	$(BIN)/python -m benchmarks.lanes
+	$(BIN)/python -m benchmarks.batch
+	$(BIN)/python -m benchmarks.results
 	$(BIN)/python -m benchmarks.store
+	$(BIN)/python -m benchmarks.service
 	$(BIN)/python -m benchmarks.startup
 
 docs: setup-dev
