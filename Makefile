@@ -32,9 +32,8 @@ lint:
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# Two processes share the tests, file by file; each file's tests stay in order.
 unit:
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+	$(BIN)/python -m pytest
 
 browser-tests: setup-dev chromium
 	$(BIN)/python -m pytest tests/browser

@@ -7,6 +7,7 @@ them (`warm_batch`).
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import os
 import subprocess
@@ -24,9 +25,11 @@ log = logging.getLogger(__name__)
 
 PRESETS = ("canete-dual-bellows", "quad-bellows-glide")
 """One of each model."""
-ANALYSES_DONE = CACHE_FOLDER / "analyses"
+_PLACE = hashlib.sha256(str(Path(__file__).parent).encode()).hexdigest()[:8]
+"""Machine code is kept apart for each folder that the program lies in."""
+ANALYSES_DONE = CACHE_FOLDER / f"analyses-{_PLACE}"
 """Stands in the cache once the analyses are compiled too."""
-LANES_DONE = CACHE_FOLDER / "lanes"
+LANES_DONE = CACHE_FOLDER / f"lanes-{_PLACE}"
 """Stands in the cache once the lanes are compiled too."""
 _lock, _analyses_lock, _lanes_lock = threading.Lock(), threading.Lock(), threading.Lock()
 _ready, _analyses_ready, _lanes_ready = threading.Event(), threading.Event(), threading.Event()

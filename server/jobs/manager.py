@@ -136,6 +136,10 @@ class Manager:
         until = time.monotonic() + self._wait
         while self.in_flight and time.monotonic() < until:
             self._take(TICK)
+        for active in list(self._active.values()):
+            job = self.store.get(active.job.id)
+            if job.chunks_done == job.chunks:  # what came in was the last of it
+                self._guarded(active, self._end)
 
     # what others want of us
 

@@ -274,7 +274,7 @@ def test_neighbours_do_not_overlap():
          "e", (-100.0, 100.0)),
         ("canete-dual-bellows", "/mission/duration", "duration", "s", "t_end", (0.0, 1e8)),
         ("quad-bellows-heading", "/mission/control/controller/noise/seed", "controller noise seed", "1", "seed",
-         (0.0, 2.0**53)),
+         (0.0, 2.0**53 - 1.0)),
     ],
 )  # fmt: skip
 def test_a_field_says_what_it_is(preset, pointer, name, unit, symbol, bounds):

@@ -160,7 +160,7 @@ def test_a_cancelled_job_is_gone_on_with(folder):
 
 def begun(folder, *arguments):
     """Start the program on a job of many chunks; return it once some are done."""
-    spec = write(sweep(4000, design=glider(duration=20.0)))
+    spec = write(sweep(60_000, design=glider(duration=20.0)))
     program = subprocess.Popen(
         [*PROGRAM, "batch", spec, "-o", "out", *arguments],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
