@@ -39,7 +39,7 @@ MADE_UNITS = {"heading": "rad", "travelled": "m", "q0": "1", "q1": "1", "q2": "1
 def run_document(run: Run, design: Design) -> dict[str, Any]:
     """Return a run as the page draws it; its cells by their index in the present design."""
     chosen = curve_samples(run, MAX_POINTS[run.model])
-    columns = {name: run.values[name] for name in SHOWN[run.model]} | _made_columns(run)
+    columns = {name: run.values[name] for name in SHOWN[run.model]} | made_columns(run)
     units = {name: about[0] for name, about in run.variables.items()} | MADE_UNITS
     indices = {c.name: i for i, c in enumerate(design.vehicle.components) if isinstance(c, Actuated)}
     return {
@@ -62,7 +62,7 @@ def run_document(run: Run, design: Design) -> dict[str, Any]:
     }
 
 
-def _made_columns(run: Run) -> dict[str, Array]:
+def made_columns(run: Run) -> dict[str, Array]:
     """Return what only all samples together tell: the heading without jumps, the way over ground, neighbouring signs.
 
     `heading` rad, `travelled` m along the horizontal track, `q0` to `q3` the attitude.

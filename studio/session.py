@@ -20,6 +20,7 @@ from models.run import Run
 from models.warm import kernel_is_ready
 from server.editing import apply_patch
 from studio import changes
+from studio.kept_runs import KeptRun, KeptRuns
 from studio.origin import Origin
 from studio.runner import Runner
 
@@ -56,9 +57,11 @@ class Session:
         self._assembly = assemble(design, limits)
         self._run: Run | None = None
         self._run_assembly: Assembly | None = None
+        self._run_number = 0
         self._problem: tuple[Problem, ...] = ()
         self._revision = revision
         self._origin = origin
+        self.kept = KeptRuns()
         self._identity: tuple[Design, str] | None = None
         self._selected = design.vehicle.actuated[0][0] if design.vehicle.actuated else 0
         self._undo: deque[Assembly] = deque(maxlen=HISTORY)
@@ -82,6 +85,11 @@ class Session:
     def run(self) -> Run | None:
         """The last run that ended; None until the first one has."""
         return self._run
+
+    @property
+    def run_number(self) -> int:
+        """How many runs have ended: a curve of an older one is out of date."""
+        return self._run_number
 
     @property
     def simulating(self) -> bool:
@@ -202,6 +210,25 @@ class Session:
         if changed:
             self._runner.touch()
 
+    def keep_run(self, name: str | None = None) -> KeptRun:
+        """Keep the present run to compare with; there must be one."""
+        assert self._run is not None
+        kept = self.kept.keep(self._run, name)
+        self._runner.touch()
+        return kept
+
+    def rename_run(self, run_id: str, name: str) -> bool:
+        """Give a kept run another name; False where there is none."""
+        renamed = self.kept.rename(run_id, name)
+        self._runner.touch()
+        return renamed
+
+    def forget_run(self, run_id: str) -> bool:
+        """Keep a run no longer; False where there is none."""
+        forgotten = self.kept.forget(run_id)
+        self._runner.touch()
+        return forgotten
+
     def refuse(self, error: DesignError) -> None:
         """Tell a problem with a change that was refused before it reached the document."""
         self._problem = error.problems
@@ -273,6 +300,7 @@ class Session:
 
     def _finish(self, assembly: Assembly, run: Run) -> None:
         self._run, self._run_assembly = run, assembly
+        self._run_number += 1
         self._tell(Change.run)
 
     def _tell(self, change: Change) -> None:

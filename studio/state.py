@@ -34,7 +34,7 @@ def state_json(session: Session, *, saved_at: str | None) -> bytes:
 def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:
     """Return the State of a session."""
     # what a run of an older document means is told by that document, so both are read once
-    revision, design, run = session.revision, session.design, session.run
+    revision, design, number, run = session.revision, session.design, session.run_number, session.run
     colors = component_colors(design.vehicle.components)
     return {
         "id": session.id,
@@ -59,7 +59,8 @@ def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:
         "hydrodynamics": _hydrodynamics(design),
         "solver": _solver(design),
         "mass": _mass(design),
-        "run": None if run is None else run_document(run, design),
+        "kept": [kept.document() for kept in session.kept],
+        "run": None if run is None else {"number": number} | run_document(run, design),
     }
 
 

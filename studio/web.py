@@ -23,7 +23,7 @@ from server.errors import problem_response
 from server.jobs.service import Jobs
 from server.settings import Settings
 from server.store.designs import DesignStore
-from studio import job_pages, operations, proxy, stored
+from studio import job_pages, operations, proxy, run_operations, stored
 from studio.access import (
     PAGE_HEADERS,
     Admitted,
@@ -51,7 +51,7 @@ def create_studio(
     """
     sessions = Sessions(settings.data / "sessions", limits=settings.limits)
     router = APIRouter(dependencies=[Depends(provide(sessions, settings)), Depends(stored.provide(store, jobs))])
-    for part in (pages, job_pages.router, stored.router, operations.router, proxy.router):
+    for part in (pages, job_pages.router, stored.router, operations.router, run_operations.router, proxy.router):
         router.include_router(part)
     return router, sessions
 
