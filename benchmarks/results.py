@@ -32,7 +32,7 @@ WORKS: dict[str, Work] = {
     "nothing": lambda results: None,
     "json": lambda results: sum(map(len, formats.stream_json(results))),
     "csv": lambda results: sum(map(len, formats.stream_csv(results))),
-    "parquet": lambda results: _sent(formats.parquet_file(results)),
+    "parquet": lambda results: _sent(formats.parquet_file(results, {})),
     "netcdf": lambda results: _sent(formats.netcdf_file(results, {})),
     "mat": lambda results: _sent(formats.mat_file(results, {})),
     "summary": lambda results: summarize(results),

@@ -29,7 +29,7 @@ from models.assemble import assemble
 from models.design import Design
 from models.presets import load_preset
 from models.simulate import Control
-from server.answers import json_answer
+from server.answers import series_answer
 from server.body import loads
 from server.documents import read_request
 from server.preview import as_mapping, run_preview
@@ -62,7 +62,7 @@ def report_overhead() -> None:
 
     def preview() -> object:
         read, _, _ = read_request(loads(body, max_values=settings.max_body_values), PreviewRequest, settings.limits)
-        return json_answer(as_mapping(run_preview(read, settings, Control()), COLUMN_NAMES, POINTS))
+        return series_answer(as_mapping(run_preview(read, settings, Control()), COLUMN_NAMES, POINTS))
 
     times = interleaved_medians({"bare": bare, "preview": preview}, rounds=50)
     over = 1e3 * (times["preview"] - times["bare"])

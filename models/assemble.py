@@ -14,20 +14,14 @@ from models.assemble_control import control_records
 from models.assemble_spatial import spatial_records
 from models.attitude import quaternion_from_rpy_radians, rotation_of
 from models.checks import check_design
-from models.components import Actuated, MovableMass, RollingMass
-from models.design import DeclaredMass, Design
+from models.components import Actuated, MovableMass, Rigid, RollingMass
+from models.design import DeclaredMass, Design, Vehicle
 from models.design_warnings import warnings_for
 from models.hydrodynamic_law import HydrodynamicLaw
 from models.kernel import params, spatial_layout
 from models.kernel.params import BODY, PART, Params
 from models.limits import DEFAULT_LIMITS, Limits
-from models.mass_properties import (
-    MassBalance,
-    component_center_of_mass,
-    initial_extensions,
-    mass_balance,
-    point_inertia,
-)
+from models.mass_properties import MassBalance, initial_extensions, mass_balance
 from models.memory import remembered
 from models.problems import Problem
 from models.schedule import Schedule
@@ -74,19 +68,17 @@ def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
     extensions = initial_extensions(design)
     laws = [volume_law(part) for part in parts]
     commands = [_command_rows(_schedule_of(design, part.name), extensions[part.name]) for part in parts]
-    curve = law or NO_LAW
-    table, lookup, lookup_scale = _law_records(curve)
-    balance = mass_balance(design.vehicle)
-    body = _body(design, lookup_scale, balance)
+    table, lookup, lookup_scale = _law_records(law or NO_LAW)
+    balance, added, damping = mass_balance(design.vehicle), added_mass(design), damping_matrix(design)
     records = Params(
-        body=body,
+        body=_body(design, balance, A=added, D=damping, lookup_scale=lookup_scale),
         parts=_parts(design, parts, laws, commands),
         volume_law=_stack(laws, 5),
         commands=_stack(commands, 3),
         table=table,
         lookup=lookup,
-        error_scale=_error_scale(design, parts, float(body["mass"][0])),
-        **spatial_records(design, parts, balance),
+        error_scale=_error_scale(design, parts, balance.mass),
+        **spatial_records(design, parts, balance, added=added, damping=damping),
         **control_records(design),
     )
     state = _initial_state(design, [extensions[part.name] for part in parts])
@@ -97,35 +89,22 @@ def _stack(rows: list[Array], columns: int) -> Array:
     return np.ascontiguousarray(np.concatenate(rows)) if rows else np.zeros((0, columns))
 
 
-def _body(design: Design, lookup_scale: float, balance: MassBalance) -> NDArray[np.void]:
+def _body(
+    design: Design, balance: MassBalance, *, A: Array, D: Array, lookup_scale: float
+) -> NDArray[np.void]:  # fmt: skip
     vehicle, environment = design.vehicle, design.mission.environment
-    density = surface_density(environment.water)
-    moving = set() if isinstance(vehicle.mass_properties, DeclaredMass) else _sliding(design)
-    still = [c for c in vehicle.components if c.name not in moving]
-    if isinstance(vehicle.mass_properties, DeclaredMass):
-        moment, inertia = balance.mass * balance.center_of_mass, balance.inertia_about_origin
-    else:
-        centers = [component_center_of_mass(c, 0.0) for c in still]
-        moment = np.sum([c.mass * r for c, r in zip(still, centers, strict=True)], axis=0) + np.zeros(3)
-        inertia = np.zeros((3, 3))
-        inertia[1, 1] = sum(c.inertia.yy for c in vehicle.components)
-        for c, r in zip(still, centers, strict=True):
-            inertia += c.mass * point_inertia(r)
-    rigid = [c for c in vehicle.components if c.kind == "rigid"]
-    volume_moment = np.sum([c.volume * np.array(c.position) for c in rigid], axis=0) + np.zeros(3)
-    A, D = added_mass(design), damping_matrix(design)
-    table = vehicle.hydrodynamics
+    density, table = surface_density(environment.water), vehicle.hydrodynamics
+    mass_x, mass_z, inertia_yy = _still_mass(vehicle, balance)
+    rigid = [c for c in vehicle.components if isinstance(c, Rigid)]
     values = {
         "gravity": gravity_of(environment),
         "density": density,
         "bed_depth": math.inf if environment.bed_depth is None else environment.bed_depth,
         "mass": balance.mass,
-        "mass_x": moment[0],
-        "mass_z": moment[2],
-        "inertia_yy": inertia[1, 1],
+        "mass_x": mass_x, "mass_z": mass_z, "inertia_yy": inertia_yy,
         "volume": math.fsum(c.volume for c in rigid),
-        "volume_x": volume_moment[0],
-        "volume_z": volume_moment[2],
+        "volume_x": sum(c.volume * c.position[0] for c in rigid),
+        "volume_z": sum(c.volume * c.position[2] for c in rigid),
         "a11": A[0, 0], "a13": A[0, 2], "a15": A[0, 4], "a33": A[2, 2], "a35": A[2, 4], "a55": A[4, 4],
         "munk_in_table": float(table.includes_munk_moment),
         "d11": D[0, 0], "d33": D[2, 2], "d55": D[4, 4],
@@ -137,31 +116,44 @@ def _body(design: Design, lookup_scale: float, balance: MassBalance) -> NDArray[
     return np.array([tuple(float(values[name]) for name in BODY.names or ())], dtype=BODY)
 
 
-def _sliding(design: Design) -> set[str]:
-    return {c.name for c in design.vehicle.components if isinstance(c, MovableMass | RollingMass)}
+def _still_mass(vehicle: Vehicle, balance: MassBalance) -> tuple[float, float, float]:
+    """Return first moments in x and z and the inertia in pitch of all that does not move, about the origin."""
+    if isinstance(vehicle.mass_properties, DeclaredMass):
+        x, _, z = balance.mass * balance.center_of_mass
+        return x, z, balance.inertia_about_origin[1, 1]
+    mass_x, mass_z, inertia = 0.0, 0.0, sum(c.inertia.yy for c in vehicle.components)
+    for c in vehicle.components:
+        if not isinstance(c, MovableMass | RollingMass):
+            x, _, z = c.center_of_mass or c.position
+            mass_x, mass_z, inertia = mass_x + c.mass * x, mass_z + c.mass * z, inertia + c.mass * (x * x + z * z)
+    return mass_x, mass_z, inertia
 
 
 def _parts(design: Design, parts: list[Actuated], laws: list[Array], commands: list[Array]) -> NDArray[np.void]:
-    records = np.zeros(len(parts), dtype=PART)
     declared = isinstance(design.vehicle.mass_properties, DeclaredMass)
+    records: list[tuple[float, ...]] = []
     law_start = command_start = 0
-    for record, part, law, rows in zip(records, parts, laws, commands, strict=True):
-        axis, center = unit_axis(part), part.center_of_mass or part.position
-        record["axis_x"], record["axis_z"] = axis[0], axis[2]
-        record["neutral"] = part.neutral
-        record["stop_low"], record["stop_high"] = part.stroke
-        record["rate"] = math.inf if part.rate_limit is None else part.rate_limit
-        record["inverse_lag"] = 1.0 / part.lag if part.lag > 0.0 else 0.0
-        record["moving_mass"] = part.mass if isinstance(part, MovableMass) and not declared else 0.0
-        record["moving_x"], record["moving_z"] = center[0], center[2]
-        record["x"], record["z"] = part.position[0], part.position[2]
-        record["core_volume"] = core_volume(part)
-        record["grows"] = float(grows_along_axis(part))
-        record["law_start"], record["law_count"] = law_start, len(law)
-        record["command_start"], record["command_count"] = command_start, len(rows)
+    for part, law, rows in zip(parts, laws, commands, strict=True):
+        records.append((*_part_numbers(part, declared), law_start, len(law), command_start, len(rows)))
         law_start += len(law)
         command_start += len(rows)
-    return records
+    return np.array(records, dtype=PART)
+
+
+@remembered(most=1_000)
+def _part_numbers(part: Actuated, declared: bool) -> tuple[float, ...]:
+    """Return the record of a part up to where its law and its command stand among those of all."""
+    axis, center = unit_axis(part), part.center_of_mass or part.position
+    low, high = part.stroke
+    values = {
+        "axis_x": axis[0], "axis_z": axis[2], "neutral": part.neutral, "stop_low": low, "stop_high": high,
+        "rate": math.inf if part.rate_limit is None else part.rate_limit,
+        "inverse_lag": 1.0 / part.lag if part.lag > 0.0 else 0.0,
+        "moving_mass": part.mass if isinstance(part, MovableMass) and not declared else 0.0,
+        "moving_x": center[0], "moving_z": center[2], "x": part.position[0], "z": part.position[2],
+        "core_volume": core_volume(part), "grows": float(grows_along_axis(part)),
+    }  # fmt: skip
+    return tuple(values[name] for name in PART.names or () if name in values)
 
 
 def _schedule_of(design: Design, name: str) -> Schedule | None:

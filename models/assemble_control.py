@@ -39,31 +39,39 @@ LATERAL_STATES = ("phi", "psi", "v", "p", "r")
 
 
 def control_records(design: Design) -> dict[str, Any]:
-    """Return the fields of `Params` that a controller reads."""
+    """Return the fields of `Params` that a controller reads; designs without one share them."""
     controller = design.mission.control.controller
+    if controller is None:
+        return WITHOUT
+    cells = controlled_cells(design, controller)
+    arrays, values = dict(WITHOUT), UNSCALED | _sampling(controller)
+    match controller:
+        case Cascade():
+            arrays["cells"], scales = _rows(cells, controller)
+            values |= dict(zip(UNSCALED, scales.tolist(), strict=True))
+            values |= _loops(controller)
+            if controller.lateral is not None and isinstance(controller.lateral.guidance, Waypoints):
+                arrays["waypoints"] = np.array(controller.lateral.guidance.points)
+        case StateFeedback():
+            arrays["cells"], _ = cells.rows()
+            values |= {"kind": layout.FEEDBACK, "integrals": controller.integrals}
+            arrays |= _table(design, controller)
+    return arrays | {"control": _record(values)}
+
+
+def _record(values: dict[str, float]) -> NDArray[np.void]:
     record = np.zeros(1, dtype=CONTROL)
-    arrays: dict[str, Any] = {
-        "cells": np.zeros((0, COLUMNS)), "waypoints": np.zeros((0, 2)), "gains": np.zeros((1, 1)),
-        "setpoints": np.zeros((1, 2)), "chosen": np.zeros(0, dtype=np.int64),
-    }  # fmt: skip
-    values: dict[str, float] = {"heave_scale": 1.0, "pitch_scale": 1.0, "roll_scale": 1.0}
-    if controller is not None:
-        cells = controlled_cells(design, controller)
-        values |= _sampling(controller)
-        match controller:
-            case Cascade():
-                arrays["cells"], scales = _rows(cells, controller)
-                values |= dict(zip(("heave_scale", "pitch_scale", "roll_scale"), scales.tolist(), strict=True))
-                values |= _loops(controller)
-                if controller.lateral is not None and isinstance(controller.lateral.guidance, Waypoints):
-                    arrays["waypoints"] = np.array(controller.lateral.guidance.points)
-            case StateFeedback():
-                arrays["cells"], _ = cells.rows()
-                values |= {"kind": layout.FEEDBACK, "integrals": controller.integrals}
-                arrays |= _table(design, controller)
     for name, value in values.items():
         record[name] = value
-    return arrays | {"control": record}
+    return record
+
+
+UNSCALED: dict[str, float] = {"heave_scale": 1.0, "pitch_scale": 1.0, "roll_scale": 1.0}
+WITHOUT: dict[str, Any] = {
+    "cells": np.zeros((0, COLUMNS)), "waypoints": np.zeros((0, 2)), "gains": np.zeros((1, 1)),
+    "setpoints": np.zeros((1, 2)), "chosen": np.zeros(0, dtype=np.int64), "control": _record(UNSCALED),
+}  # fmt: skip
+"""The fields without a controller."""
 
 
 def controlled_cells(design: Design, controller: Controller) -> Effectiveness:

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from models.added_mass import added_mass, damping_matrix
-from models.components import Actuated, MovableMass, Rigid, RollingMass
+from models.components import Actuated, Component, MovableMass, Rigid, RollingMass
 from models.design import DeclaredMass, Design
+from models.environment import Current, Environment
 from models.hydrodynamic_grid import build_grid_law
+from models.hydrodynamic_sources import Hydrodynamics
 from models.hydrodynamics import LateralCoefficients, PolarTable, RateTerms
 from models.hydrodynamics_angles import AngleTable
 from models.hydrodynamics_coefficients import CoefficientForm
 from models.kernel import params, spatial_layout
 from models.kernel.spatial_layout import COEFFICIENT_NAMES, LATERAL_NAMES, MEMBER, SPACE
 from models.mass_properties import MassBalance, component_center_of_mass, inertia_matrix, point_inertia, rotation_about
+from models.memory import remembered
 from models.volumes import unit_axis, volume
-from models.water import current_table, gravity_of, water_table
+from models.water import CurrentTable, WaterTable, current_table, gravity_of, water_table
 
 Array = NDArray[np.float64]
 BED_FREQUENCY = 5.0
@@ -30,30 +33,32 @@ SHORTEST_REARM = 0.2
 """The surface or bed counts as left at least this far from it, m."""
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Order in which the kernel keeps a symmetric 3x3 matrix."""
+ANGLES = 2.0 * math.pi * np.arange(5) / 5.0
+HARMONICS = np.column_stack([np.ones(5), np.cos(ANGLES), np.sin(ANGLES), np.cos(2 * ANGLES), np.sin(2 * ANGLES)])
+"""Angles (rad) from which an inertia that turns is known as a trigonometric sum, and its terms at each of them."""
+STILL = ("mass_x", "mass_y", "mass_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+"""First moments of mass and inertia of what does not move."""
 
 
-def spatial_records(design: Design, parts: list[Actuated], balance: MassBalance) -> dict[str, Any]:
-    """Return the fields of `Params` beyond those of the planar model; `balance` is the vehicle's at neutral."""
+def spatial_records(
+    design: Design, parts: list[Actuated], balance: MassBalance, *, added: Array, damping: Array
+) -> dict[str, Any]:
+    """Return the fields of `Params` beyond those of the planar model.
+
+    `balance` is the vehicle's at neutral, `added` and `damping` its added mass and linear damping (6, 6).
+    """
     spatial = design.mission.solver.model == "spatial"
     emerging = emerging_depth(design)
-    environment = design.mission.environment
-    water = water_table(environment.water, gravity_of(environment), mixed=emerging)
-    current = current_table(environment.current)
-    added = added_mass(design)
-    angles, source = _source_arrays(design)
+    environment, source = design.mission.environment, design.vehicle.hydrodynamics
+    water, current = _water(environment, emerging), _current(environment.current)
     return {
-        "space": _space(
-            design, balance, emerging=emerging, heave_added=float(added[2, 2]), top=water.top,
-            spacing=water.spacing, levels=current.levels,
-        ),
+        "space": _space(design, balance, emerging=emerging, heave_added=float(added[2, 2])),
         "members": _members(design, parts if spatial else []),
         "inertias": _inertias(design, parts if spatial else []),
         "solids": _solids(design) if spatial else np.zeros((0, len(spatial_layout.SOLID_COLUMNS))),
         "added": added,
-        "damping": damping_matrix(design),
-        "rates": _rates(design),
-        "coefficients": source,
-        **angles,
+        "damping": damping,
+        **_source_arrays(source),
         "water": water.rows,
         "current": current.rows,
         "current_times": current.times,
@@ -81,53 +86,75 @@ def emerging_depth(design: Design) -> float:
     return max((0.5 * fading_height(c) for c in floats), default=0.0)
 
 
-def _space(
-    design: Design, balance: MassBalance, *,
-    emerging: float, heave_added: float, top: float, spacing: float, levels: int,
-) -> NDArray[np.void]:  # fmt: skip
-    environment, source = design.mission.environment, design.vehicle.hydrodynamics
+@remembered(most=16)
+def _water(environment: Environment, emerging: float) -> WaterTable:
+    """Return density and pressure as the kernel reads them; designs in one environment share them."""
+    return water_table(environment.water, gravity_of(environment), mixed=emerging)
+
+
+_current: Callable[[Current | None], CurrentTable] = remembered(most=16)(current_table)
+
+
+def _space(design: Design, balance: MassBalance, *, emerging: float, heave_added: float) -> NDArray[np.void]:
     spatial = design.mission.solver.model == "spatial"
     layout: Any = spatial_layout if spatial else params
     heave = balance.mass + heave_added
     values = {
+        "bed_stiffness": heave * BED_FREQUENCY**2,
+        "bed_damping": 2.0 * heave * BED_FREQUENCY,
+        "spatial": spatial, "depth": layout.Z, "work": layout.WORK_ACTUATORS, "extensions": layout.EXTENSIONS,
+        **_surroundings(design.mission.environment, emerging),
+        **_source_numbers(design.vehicle.hydrodynamics),
+        **_still_mass(design, balance),
+    }  # fmt: skip
+    return np.array([tuple(values[name] for name in SPACE.names or ())], dtype=SPACE)
+
+
+@remembered(most=16)
+def _surroundings(environment: Environment, emerging: float) -> dict[str, float]:
+    water = _water(environment, emerging)
+    return {
         "gravity": gravity_of(environment),
         "surface_level": emerging,
         "rearm_level": max(REARM * emerging, emerging + SHORTEST_REARM),
         "bed_depth": math.inf if environment.bed_depth is None else environment.bed_depth,
-        "bed_stiffness": heave * BED_FREQUENCY**2,
-        "bed_damping": 2.0 * heave * BED_FREQUENCY,
-        "water_top": top, "per_spacing": 1.0 / spacing,
-        "per_reference_density": 1.0 / source.reference_density,
-        "spatial": spatial, "depth": layout.Z, "work": layout.WORK_ACTUATORS, "extensions": layout.EXTENSIONS,
+        "water_top": water.top, "per_spacing": 1.0 / water.spacing,
         "surface_ends": environment.surface == "end", "bed_ends": environment.bed_contact == "end",
-        "levels": levels,
+        "levels": _current(environment.current).levels,
     }  # fmt: skip
-    values |= dict(zip(("reference_x", "reference_y", "reference_z"), source.reference_point, strict=True))
-    values |= _still_mass(design, balance) | _source_switches(source)
-    space = np.zeros(1, dtype=SPACE)
-    for name, value in values.items():
-        space[name] = value
-    return space
 
 
 def _still_mass(design: Design, balance: MassBalance) -> dict[str, float]:
     """Return mass, first moment and inertia about the origin of all that does not move."""
-    vehicle = design.vehicle
-    moment, inertia = balance.mass * balance.center_of_mass, balance.inertia_about_origin
-    if not isinstance(vehicle.mass_properties, DeclaredMass):
-        moment, inertia = np.zeros(3), np.zeros((3, 3))
-        for c in vehicle.components:
-            if not isinstance(c, MovableMass | RollingMass):
-                r = component_center_of_mass(c, 0.0)
-                moment += c.mass * r
-                inertia += inertia_matrix(c.inertia) + c.mass * point_inertia(r)
-    names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    if isinstance(design.vehicle.mass_properties, DeclaredMass):
+        inertia = balance.inertia_about_origin
+        numbers = np.array([*balance.mass * balance.center_of_mass, *(inertia[i, j] for i, j in ENTRIES)])
+    else:
+        numbers = np.zeros(len(STILL))
+        for component in design.vehicle.components:
+            if not isinstance(component, MovableMass | RollingMass):
+                numbers += _still_share(component)
+    return {"mass": balance.mass} | dict(zip(STILL, numbers.tolist(), strict=True))
+
+
+@remembered(most=1_000)
+def _still_share(component: Component) -> Array:
+    """Return what a component adds to mass moment and inertia about the origin, in the order of `STILL`."""
+    r = component_center_of_mass(component, 0.0)
+    inertia = inertia_matrix(component.inertia) + component.mass * point_inertia(r)
+    return np.array([*component.mass * r, *(inertia[i, j] for i, j in ENTRIES)])
+
+
+@remembered(most=16)
+def _source_numbers(source: Hydrodynamics) -> dict[str, float]:
+    x, y, z = source.reference_point
     return {
-        "mass": balance.mass, "mass_x": moment[0], "mass_y": moment[1], "mass_z": moment[2],
-    } | {name: float(inertia[i, j]) for name, (i, j) in zip(names, ENTRIES, strict=True)}  # fmt: skip
+        "per_reference_density": 1.0 / source.reference_density,
+        "reference_x": x, "reference_y": y, "reference_z": z, **_source_switches(source),
+    }  # fmt: skip
 
 
-def _source_switches(source: Any) -> dict[str, float]:
+def _source_switches(source: Hydrodynamics) -> dict[str, float]:
     kind = {"polar_table": spatial_layout.POLAR, "angle_table": spatial_layout.ANGLES}
     scaling = source.rate_scaling if isinstance(source, CoefficientForm) else _rate_terms(source).scaling
     lateral = source.lateral if isinstance(source, PolarTable) else None
@@ -149,9 +176,9 @@ def _rate_terms(source: PolarTable | AngleTable) -> RateTerms:
     return source.lateral.rates if source.lateral is not None else RateTerms()
 
 
-def _rates(design: Design) -> Array:
+def _rates(source: Hydrodynamics) -> Array:
     """Return force by p, q, r (6, 3); of the coefficient form only what the planar model needs of it."""
-    source, rates = design.vehicle.hydrodynamics, np.zeros((6, 3))
+    rates = np.zeros((6, 3))
     if isinstance(source, CoefficientForm):
         rates[4, 1] = source.pitch_rate
         return rates
@@ -164,9 +191,10 @@ def _rates(design: Design) -> Array:
     return rates
 
 
-def _source_arrays(design: Design) -> tuple[dict[str, Array], Array]:
-    """Return the table over both angles, and the coefficients; zeros where the source has none."""
-    source, numbers = design.vehicle.hydrodynamics, np.zeros(len(COEFFICIENT_NAMES))
+@remembered(most=16)
+def _source_arrays(source: Hydrodynamics) -> dict[str, Array]:
+    """Return rates, the table over both angles, and coefficients, zeros where there are none; designs share them."""
+    numbers = np.zeros(len(COEFFICIENT_NAMES))
     grid = {"grid_alpha": np.zeros(2), "grid_beta": np.zeros(2), "grid": np.zeros((1, 96))}
     described: CoefficientForm | LateralCoefficients | None = None
     names: tuple[str, ...] = LATERAL_NAMES
@@ -179,7 +207,7 @@ def _source_arrays(design: Design) -> tuple[dict[str, Array], Array]:
         grid = {"grid_alpha": law.alpha.copy(), "grid_beta": law.beta.copy(), "grid": law.pieces.reshape(-1, 96).copy()}
     if described is not None:
         numbers[: len(names)] = [getattr(described, name) for name in names]
-    return grid, numbers
+    return {"rates": _rates(source), "coefficients": numbers, **grid}
 
 
 def _solids(design: Design) -> Array:
@@ -229,13 +257,11 @@ def _inertias(design: Design, parts: list[Actuated]) -> Array:
     harmonics = np.zeros((len(parts), 5, 6))
     if isinstance(design.vehicle.mass_properties, DeclaredMass):
         return harmonics
-    angles = 2.0 * math.pi * np.arange(5) / 5.0
-    basis = np.column_stack([np.ones(5), np.cos(angles), np.sin(angles), np.cos(2 * angles), np.sin(2 * angles)])
     for k, part in enumerate(parts):
         own = inertia_matrix(part.inertia)
         if isinstance(part, MovableMass):
             harmonics[k, 0] = [own[i, j] for i, j in ENTRIES]
         elif isinstance(part, RollingMass):
-            turned = [turn @ own @ turn.T for turn in (rotation_about(unit_axis(part), a) for a in angles)]
-            harmonics[k] = np.linalg.solve(basis, np.array([[m[i, j] for i, j in ENTRIES] for m in turned]))
+            turned = [turn @ own @ turn.T for turn in (rotation_about(unit_axis(part), a) for a in ANGLES)]
+            harmonics[k] = np.linalg.solve(HARMONICS, np.array([[m[i, j] for i, j in ENTRIES] for m in turned]))
     return harmonics

@@ -195,16 +195,15 @@ def _mass_problems(design: Design) -> Iterator[Problem]:
             pointer, f"the inertia about the centre of mass has a negative principal moment, {smallest:.4g} kg m2",
             limit=0.0, hint="check the products of inertia",
         )  # fmt: skip
-    A = added_mass(design)
-    turning = turning_inertia(balance, A)
-    axes = "xyz" if design.mission.solver.model == "spatial" else "y"
-    if axes == "y":
-        turning = turning[1:2, 1:2]
-    moments, directions = np.linalg.eigh(turning)
-    if not problems and moments[0] <= 1e-12 * balance.mass:
-        axis = "roll pitch yaw".split()["xyz".index(axes[int(np.abs(directions[:, 0]).argmax())])]
+    turning = turning_inertia(balance, added_mass(design))
+    if design.mission.solver.model == "planar":
+        moment, axis = float(turning[1, 1]), "pitch"
+    else:
+        moments, directions = np.linalg.eigh(turning)
+        moment, axis = float(moments[0]), ("roll", "pitch", "yaw")[int(np.abs(directions[:, 0]).argmax())]
+    if not problems and moment <= 1e-12 * balance.mass:
         yield Problem(
-            pointer, f"the moment of inertia in {axis} is {moments[0]:.4g} kg m2: the equations are singular",
+            pointer, f"the moment of inertia in {axis} is {moment:.4g} kg m2: the equations are singular",
             limit=0.0, hint="give the components inertia, or put them apart",
         )  # fmt: skip
 
@@ -225,13 +224,11 @@ def _component_inertia_problems(design: Design) -> Iterator[Problem]:
 
 def turning_inertia(balance: MassBalance, A: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the inertia about the point that turns most freely, (3, 3) kg m2: the Schur complement of M_RB + M_A."""
-    M = np.zeros((6, 6)) + A
-    x, y, z = balance.mass * balance.center_of_mass
-    M[:3, :3] += balance.mass * np.eye(3)
-    M[:3, 3:] += np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
-    M[3:, :3] = M[:3, 3:].T
-    M[3:, 3:] += balance.inertia_about_origin
-    return np.asarray(M[3:, 3:] - M[3:, :3] @ np.linalg.solve(M[:3, :3], M[:3, 3:]), dtype=np.float64)
+    mass, (x, y, z) = balance.mass, (balance.mass * balance.center_of_mass).tolist()
+    whole = A[:3, :3] + np.array([[mass, 0.0, 0.0], [0.0, mass, 0.0], [0.0, 0.0, mass]])
+    mixed = A[:3, 3:] + np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    turning = A[3:, 3:] + balance.inertia_about_origin - mixed.T @ np.linalg.solve(whole, mixed)
+    return np.asarray(turning, dtype=np.float64)
 
 
 @remembered(most=100)

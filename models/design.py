@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -15,7 +16,8 @@ from models.fields import Description, Vector3, quantity, text, vector
 from models.hydrodynamic_sources import Hydrodynamics
 from models.hydrodynamics import AddedMass, Damping
 from models.mission import Mission
-from models.problems import DesignError, Problem, problems_from_validation
+from models.plain_words import plainly
+from models.problems import DesignError, Problem
 
 FORMAT = "glider-design"
 VERSION = 1
@@ -106,7 +108,12 @@ def parse_design(document: Any) -> Design:
     try:
         return Design.model_validate(document)
     except ValidationError as error:
-        raise DesignError(problems_from_validation(error, document)) from None
+        raise DesignError(plainly(error, document, _schema())) from None
+
+
+@cache
+def _schema() -> dict[str, Any]:
+    return Design.model_json_schema()
 
 
 def _check_header(document: dict[str, Any]) -> None:

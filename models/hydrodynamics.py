@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from models.fields import Description, Switch, Vector3, quantity, text, vector
+from models.memory import remembered
 
 Degrees = Annotated[float, Field(strict=True, ge=0.0, le=90.0)]
 Speed = Annotated[float, Field(strict=True, ge=1e-4, le=100.0)]
@@ -131,6 +132,11 @@ class PolarTable(Source):
 
     @model_validator(mode="after")
     def _columns_match(self) -> Self:
+        self._check_columns()
+        return self
+
+    @remembered(most=16)  # pydantic asks again for every description around it that is made anew
+    def _check_columns(self) -> None:
         lengths = {name: len(column) for name, column in self.columns}
         if len(set(lengths.values())) != 1:
             raise ValueError(f"the columns differ in length: {lengths}")
@@ -143,7 +149,6 @@ class PolarTable(Source):
             grids.setdefault(speed, []).append(angle)
         for speed, angles in grids.items():
             self._check_grid(speed, angles)
-        return self
 
     @staticmethod
     def _check_grid(speed: float, angles: list[float]) -> None:

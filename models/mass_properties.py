@@ -46,7 +46,7 @@ class MassBalance:
 
 def point_inertia(r: Array) -> Array:
     """Return the inertia of a unit point mass at r (3,) about the origin, (3, 3) m2."""
-    x, y, z = r
+    x, y, z = r.tolist()
     return np.array([[y * y + z * z, -x * y, -x * z], [-x * y, x * x + z * z, -y * z], [-x * z, -y * z, x * x + y * y]])
 
 
@@ -124,23 +124,13 @@ def _stack_moment(component: Component, extension: float) -> Array:
     return np.asarray(0.5 * (extension - component.neutral) * stack * unit_axis(component), dtype=np.float64)
 
 
-@dataclass(frozen=True, slots=True)
-class _Share:
-    """What one component adds: volume and its first moment, mass moment, inertia about the origin."""
-
-    volume: float
-    volume_moment: Array
-    mass_moment: Array
-    inertia: Array
-
-
 @remembered(most=20_000)
-def _share_of(component: Component, extension: float) -> _Share:
-    r = component_center_of_mass(component, extension)
-    return _Share(
-        volume(component, extension), component_volume_moment(component, extension), component.mass * r,
-        component_inertia(component, extension) + component.mass * point_inertia(r),
-    )  # fmt: skip
+def _share_of(component: Component, extension: float) -> Array:
+    """Return what one component adds (17,): volume, its first moment, mass, its moment, inertia about the origin."""
+    r, mass = component_center_of_mass(component, extension), component.mass
+    inertia = component_inertia(component, extension) + mass * point_inertia(r)
+    moment = component_volume_moment(component, extension)
+    return np.array([volume(component, extension), *moment, mass, *mass * r, *inertia.ravel()])
 
 
 def mass_balance(vehicle: Vehicle, extensions: Mapping[str, float] | None = None) -> MassBalance:
@@ -157,21 +147,16 @@ def mass_balance(vehicle: Vehicle, extensions: Mapping[str, float] | None = None
 
 @remembered(most=16)
 def _balance(vehicle: Vehicle, extensions: tuple[float, ...]) -> MassBalance:
-    total_volume, volume_moment = 0.0, np.zeros(3)
-    mass, mass_moment, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
+    total = np.zeros(17)
     for component, extension in zip(vehicle.components, extensions, strict=True):
-        share = _share_of(component, extension)
-        total_volume += share.volume
-        volume_moment += share.volume_moment
-        mass += component.mass
-        mass_moment += share.mass_moment
-        inertia += share.inertia
-    center = mass_moment / mass if mass > 0.0 else np.zeros(3)
-    inertia = inertia - mass * point_inertia(center)
+        total += _share_of(component, extension)
+    total_volume, mass = float(total[0]), float(total[4])
+    center = total[5:8] / mass if mass > 0.0 else np.zeros(3)
+    inertia = total[8:].reshape(3, 3) - mass * point_inertia(center)
     declared = vehicle.mass_properties
     if isinstance(declared, DeclaredMass):
         mass, center, inertia = declared.mass, np.array(declared.center_of_mass), inertia_matrix(declared.inertia)
-    buoyancy_center = volume_moment / total_volume if total_volume > 0.0 else np.zeros(3)
+    buoyancy_center = total[1:4] / total_volume if total_volume > 0.0 else np.zeros(3)
     for array in (center, inertia, buoyancy_center):
         array.flags.writeable = False  # many share it
     return MassBalance(mass, center, inertia, total_volume, buoyancy_center)

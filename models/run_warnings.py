@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +31,28 @@ SHORT, SELDOM = 0.05, 0.02
 """A controller is short of what it asks for by more than the first share, in more than the second of a run."""
 LARGEST_RESIDUAL = 1e-3
 """Share of the energy exchanged above which a run is not to be trusted."""
+
+Flags = NDArray[np.bool_]
+Spans = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Doubt(Problem):
+    """What is doubtful about samples of a run; `times` are the stretches that they cover, s, in order."""
+
+    times: Spans = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as the JSON object that every problem is: the stretches are for who draws the run."""
+        return Problem(self.pointer, self.message, self.limit, self.hint).as_dict()
+
+
+def spans(run: Run, flags: Flags) -> Spans:
+    """Return the stretches of time (s) that marked samples cover; a lone one reaches half-way to its neighbours."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    middles = (run.times[1:] + run.times[:-1]) / 2.0
+    borders = np.concatenate([run.times[:1], middles, run.times[-1:]])
+    return tuple((float(borders[a]), float(borders[b])) for a, b in edges.reshape(-1, 2).tolist())
 
 
 def run_warnings(run: Run) -> Iterator[Problem]:
@@ -72,23 +96,23 @@ def _outside_polar(run: Run, table: PolarTable) -> Iterator[Problem]:
     past = np.abs(run.values["alpha"]) > np.pi / 2
     if past.any():
         largest = np.rad2deg(np.abs(run.values["alpha"]).max())
-        yield Problem(
+        yield Doubt(
             f"{POINTER}/row_alpha_deg",
             f"{_share(past)} of the run is past 90 deg of attack (up to {largest:.0f} deg), where nothing was "
             "measured: the data are reflected",
-            limit=90.0,
-        )
+            limit=90.0, times=spans(run, past),
+        )  # fmt: skip
     low, high = table.speeds[0], table.speeds[-1]
     for off, what, bound in (
         (moving & (speed < low), "slower than", low),
         (speed > high, "faster than", high),
     ):
         if off.any():
-            yield Problem(
+            yield Doubt(
                 f"{POINTER}/row_speed",
                 f"{_share(off)} of the run is {what} the data's {bound:g} m/s: coefficients are held there",
-                limit=bound,
-            )
+                limit=bound, times=spans(run, off),
+            )  # fmt: skip
 
 
 def _outside_angles(run: Run, table: AngleTable) -> Iterator[Problem]:
@@ -115,12 +139,12 @@ def _outside_angle(run: Run, name: str, field: str, bounds: tuple[float, float],
     if off.any():
         what = {"alpha": "angles of attack", "beta": "sideslips"}[name]
         worst = angle[off][np.abs(angle[off]).argmax()]
-        yield Problem(
+        yield Doubt(
             f"{POINTER}/{field}",
             f"{_share(off)} of the run is outside the {what} of the data, {bounds[0]:g} to {bounds[1]:g} deg "
             f"(at worst {worst:.0f} deg): {rule}",
-            limit=bounds[1],
-        )
+            limit=bounds[1], times=spans(run, off),
+        )  # fmt: skip
 
 
 def _outside_water(run: Run) -> Iterator[Problem]:
@@ -138,16 +162,17 @@ def _outside_water(run: Run) -> Iterator[Problem]:
         ):  # fmt: skip
             if off.any():
                 pointer = f"/mission/environment/{field}/depths"
-                yield Problem(pointer, f"{_share(off)} of the run is {where}: its values are held there", limit=bound)
+                message = f"{_share(off)} of the run is {where}: its values are held there"
+                yield Doubt(pointer, message, limit=bound, times=spans(run, off))
     times = getattr(current, "times", (0.0,))
     late = (run.times < times[0]) | (run.times > times[-1])
     if len(times) > 1 and late.any():
-        yield Problem(
+        yield Doubt(
             "/mission/environment/current/times",
             f"{_share(late)} of the run is outside the times of the current, {times[0]:g} to {times[-1]:g} s: "
             "it is held there",
-            limit=times[-1],
-        )
+            limit=times[-1], times=spans(run, late),
+        )  # fmt: skip
 
 
 def short_of_control(run: Run) -> Iterator[Problem]:
@@ -162,11 +187,12 @@ def short_of_control(run: Run) -> Iterator[Problem]:
         short = missing > SHORT * wanted.max()
         if np.mean(short) > SELDOM:
             worst = int(missing.argmax())
-            yield Problem(
+            yield Doubt(
                 "/mission/control/controller/allocation",
                 f"{_share(short)} of the run the cells make less {words} than is asked for, by up to "
                 f"{missing[worst]:.3g} of {wanted[worst]:.3g} {unit}",
                 limit=0.0, hint="ask for less, give cells longer strokes, or weigh what matters more",
+                times=spans(run, short),
             )  # fmt: skip
 
 
@@ -174,15 +200,17 @@ def squeezed_too_far(run: Run) -> Iterator[Problem]:
     """Yield a warning where pressure leaves the range in which a stiffness describes compression."""
     if run.model != "spatial":
         return
-    deepest = float(run.values["pressure"].max())
+    pressure = run.values["pressure"]
+    deepest = float(pressure.max())
     for i, component in enumerate(run.design.vehicle.components):
         stiffness = getattr(component, "bulk_modulus", None)
         if stiffness is not None and deepest > MOST_SQUEEZED * stiffness:
-            yield Problem(
+            yield Doubt(
                 pointer_to("vehicle", "components", i, "bulk_modulus"),
                 f"pressure takes {min(100.0 * deepest / stiffness, 100.0):.0f} % of the volume of '{component.name}': "
                 "a constant stiffness is meant for a few",
                 limit=MOST_SQUEEZED, hint="give a larger one, or stay shallower",
+                times=spans(run, pressure > MOST_SQUEEZED * stiffness),
             )  # fmt: skip
 
 
@@ -196,11 +224,12 @@ def turning_over(run: Run) -> Iterator[Problem]:
         off = below & (righting < -LEAST_OFFSET)
         if off.any():
             first = int(off.argmax())
-            yield Problem(
+            yield Doubt(
                 "/vehicle/components",
                 f"{what} for {_share(off)} of the run, first at {run.times[first]:.2f} s "
                 f"(by up to {-1e3 * righting[off].min():.3g} mm): it tends to turn over",
                 limit=0.0, hint="place weight lower, or keep the cells that cause it from extending so far",
+                times=spans(run, off),
             )  # fmt: skip
             return
 
@@ -212,14 +241,14 @@ def sideways_in_table(run: Run, table: PolarTable) -> Iterator[Problem]:
     off = (run.values["speed"] > SLOWEST) & (np.abs(run.values["beta"]) > MOST_SIDESLIP)
     if off.any():
         worst = np.rad2deg(np.abs(run.values["beta"][off]).max())
-        yield Problem(
+        yield Doubt(
             f"{POINTER}/lateral",
             f"{_share(off)} of the run has more than {np.rad2deg(MOST_SIDESLIP):.0f} deg of sideslip (up to "
             f"{worst:.0f} deg), for which the table was not measured",
-            limit=30.0,
-        )
+            limit=30.0, times=spans(run, off),
+        )  # fmt: skip
 
 
-def _share(flags: NDArray[np.bool_]) -> str:
+def _share(flags: Flags) -> str:
     share = 100.0 * float(np.mean(flags))
     return f"{share:.0f} %" if share >= 0.5 else "less than 1 %"

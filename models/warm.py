@@ -27,6 +27,8 @@ PRESETS = ("canete-dual-bellows", "quad-bellows-glide")
 """One of each model."""
 _PLACE = hashlib.sha256(str(Path(__file__).parent).encode()).hexdigest()[:8]
 """Machine code is kept apart for each folder that the program lies in."""
+SIMULATION_DONE = CACHE_FOLDER / f"simulation-{_PLACE}"
+"""Stands in the cache once what simulates is compiled."""
 ANALYSES_DONE = CACHE_FOLDER / f"analyses-{_PLACE}"
 """Stands in the cache once the analyses are compiled too."""
 LANES_DONE = CACHE_FOLDER / f"lanes-{_PLACE}"
@@ -40,11 +42,16 @@ def kernel_is_ready() -> bool:
     return _ready.is_set()
 
 
+def analyses_are_ready() -> bool:
+    """Whether what analyses is compiled, or in its cache, so that using it holds nobody up."""
+    return _analyses_ready.is_set()
+
+
 def warm_kernel() -> None:
     """Compile what simulates or load it from its cache; returns once it is ready. Safe to call from any thread."""
     with _lock:
         if not _ready.is_set():
-            if not CACHE_FOLDER.exists() and _compiles():
+            if not SIMULATION_DONE.exists() and _compiles():
                 _elsewhere("compile_here")
             compile_here()
             _ready.set()
@@ -102,6 +109,8 @@ def compile_here() -> None:
     """Compile what simulates in this process, or load it from its cache, and leave it there: both models."""
     for preset_id in PRESETS:
         simulate(load_preset(preset_id))
+    if _compiles():
+        SIMULATION_DONE.touch()
 
 
 def compile_analyses_here() -> None:

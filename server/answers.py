@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import orjson
 from fastapi.responses import Response
 from pydantic_core import to_json
 from starlette.exceptions import HTTPException
@@ -16,6 +17,15 @@ JSON, CSV, NETCDF = "application/json", "text/csv", "application/x-netcdf"
 def json_answer(content: Any, status: int = 200) -> Response:
     """Return `content` (models, dicts, lists, numbers) as a JSON answer."""
     return Response(to_json(content, inf_nan_mode="null"), status, media_type=JSON)
+
+
+def series_answer(content: Any) -> Response:
+    """Return `content` (plain values, and NumPy arrays of numbers) as a JSON answer.
+
+    Arrays are written from memory as they are, in less than half the time that lists take. It knows no models, and no
+    whole numbers beyond 64 bits, which a document that is sent back may hold.
+    """
+    return Response(orjson.dumps(content, option=orjson.OPT_SERIALIZE_NUMPY), media_type=JSON)
 
 
 def negotiate(accept: str | None, offers: tuple[str, ...]) -> str:

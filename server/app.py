@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, nullcontext
 
 import anyio.to_thread
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from starlette.datastructures import State
 
 from server.errors import install_error_handlers
@@ -15,6 +16,7 @@ from server.jobs.service import Jobs
 from server.live import LiveSessions
 from server.middleware import install_middleware
 from server.openapi import DocumentedApi
+from server.queries import refuse_unknown_parameters
 from server.quotas import Quotas
 from server.readiness import Readiness
 from server.routes import (
@@ -24,6 +26,7 @@ from server.routes import (
     design_files,
     designs,
     health,
+    index,
     job_results,
     presets,
     schemas,
@@ -37,13 +40,15 @@ from server.settings import Settings
 from server.stopping import Stopping
 from server.store.database import Database, sqlite_url
 from server.store.designs import DesignStore
+from server.store.errors import UnavailableError
 from server.telemetry import Telemetry
 from server.version import VERSION
 
+_log = logging.getLogger(__name__)
 API = "/api/v1"
 NOUNS = (
-    presets, schemas, designs, design_files, stored_designs, components, sessions, simulations, analyses, controllers,
-    job_routes, job_results,
+    index, presets, schemas, designs, design_files, stored_designs, components, sessions, simulations, analyses,
+    controllers, job_routes, job_results,
 )  # fmt: skip
 Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
 DESCRIPTION = (
@@ -85,8 +90,9 @@ def create_app(
     install_middleware(app, settings, quotas=state.quotas, telemetry=state.telemetry, stopping=state.stopping)
     install_error_handlers(app)
     app.include_router(health.router)
+    app.include_router(index.pages)
     for noun in NOUNS:
-        app.include_router(noun.router, prefix=API)
+        app.include_router(noun.router, prefix=API, dependencies=[Depends(refuse_unknown_parameters)])
     return app
 
 
@@ -104,10 +110,19 @@ def _until_stopped(lifespan: Lifespan | None) -> Lifespan:
             finally:
                 app.state.stopping.begin()
                 if jobs is not None:
-                    await anyio.to_thread.run_sync(jobs.stop)
+                    await anyio.to_thread.run_sync(_end_jobs, jobs)
                 app.state.store.database.close()
 
     return until_stopped
+
+
+def _end_jobs(jobs: Jobs) -> None:
+    """Stop working on jobs, and say how many go on at the next start."""
+    jobs.stop()
+    try:
+        _log.info("stopped; unfinished jobs that are kept for the next start: %d", jobs.store.count_unfinished())
+    except UnavailableError as error:
+        _log.warning("stopped; how many unfinished jobs are kept for the next start is not known: %s", error)
 
 
 def _connect(state: State) -> None:

@@ -14,6 +14,7 @@ import httpx
 from pydantic import BaseModel, ValidationError
 
 from models.design import Design, parse_design
+from server.format_names import ENDINGS, format_named
 from server.schemas import ErrorItem, ProblemDocument
 from server.schemas_jobs import CaseItem, CasePage, JobPage, JobRecord, JobSummary, Trajectory
 from server.schemas_store import DesignItem, DesignPage, DesignResource
@@ -49,7 +50,6 @@ FORMATS: Mapping[str, str] = {
     "mat": "application/x-matlab-data",
 }
 """Media types of results, by format."""
-ENDINGS: Mapping[str, str] = {f".{name}": name for name in FORMATS} | {".nc": "netcdf"}
 QUIET = 45.0
 """How long a stream of events may be silent before it is taken for dead, s; the server says something every 15 s."""
 RECONNECT = 0.5
@@ -254,9 +254,10 @@ class Client:
 
     @contextmanager
     def _results(self, job_id: str, format: str) -> Iterator[httpx.Response]:
-        if format not in FORMATS:
+        name = format_named(format)
+        if name not in FORMATS:
             raise ValueError(f"there is no format '{format}': use {', '.join(FORMATS)}")
-        with self._stream("get_results", headers={"Accept": FORMATS[format]}, job_id=job_id) as answer:
+        with self._stream("get_results", headers={"Accept": FORMATS[name]}, job_id=job_id) as answer:
             yield answer
 
     def _ask(
@@ -332,9 +333,11 @@ class _Watch:
 
 
 def _format_of(path: Path) -> str:
-    if path.suffix not in ENDINGS:
-        raise ValueError(f"'{path.name}' tells no format: let it end in {', '.join(ENDINGS)}, or give the format")
-    return ENDINGS[path.suffix]
+    name = format_named(path.suffix.removeprefix("."))
+    if name not in FORMATS:
+        endings = ", ".join(f".{ending}" for ending in ENDINGS.values())
+        raise ValueError(f"'{path.name}' tells no format: let it end in {endings}, or give the format")
+    return name
 
 
 def _plain(document: BaseModel | Mapping[str, Any]) -> Any:

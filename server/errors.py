@@ -25,6 +25,7 @@ MOST_ERRORS = 100
 TITLES = {413: "Content Too Large"}
 """Names that newer versions of Python changed."""
 NOT_DESIGN = "The document cannot be used as it is"
+NOT_REQUEST = "The request cannot be used as it is"
 STORE_STATUS: dict[type[StoreError], int] = {
     NotFoundError: 404, DeletedError: 410, RevisionError: 412, CursorError: 422, UnavailableError: 503,
     JobStateError: 409, KeyReusedError: 422,
@@ -34,6 +35,14 @@ _log = logging.getLogger(__name__)
 
 class MalformedJsonError(DesignError):
     """A body is not JSON at all."""
+
+
+class RequestError(Exception):
+    """A request is wrong beside its body: in its query or its headers."""
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("; ".join(f"{p.message} ({p.hint})" if p.hint else p.message for p in self.problems))
 
 
 def problem_response(
@@ -92,6 +101,7 @@ def install_error_handlers(app: FastAPI) -> None:
     """Make every error of `app` a problem document."""
     app.add_exception_handler(DesignError, _on_design_error)
     app.add_exception_handler(RequestValidationError, _on_invalid_request)
+    app.add_exception_handler(RequestError, _on_request_error)
     app.add_exception_handler(HTTPException, _on_http_error)
     app.add_exception_handler(QuotaError, _on_quota_error)
     app.add_exception_handler(StoreError, _on_store_error)
@@ -121,7 +131,12 @@ async def _on_invalid_request(request: Request, error: Exception) -> Response:
         where = "" if place == "body" else f"{place} parameter {echo('.'.join(map(str, path)))}: "
         pointer = pointer_to(*path) if place == "body" else ""
         problems.append(Problem(pointer, f"{where}{item['msg']}, not {echo(item['input'])}"))
-    return problem_response(422, "The request cannot be used as it is", errors=problems)
+    return problem_response(422, NOT_REQUEST, errors=problems)
+
+
+async def _on_request_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestError)
+    return problem_response(422, NOT_REQUEST, detail=str(error), errors=error.problems)
 
 
 async def _on_http_error(request: Request, error: Exception) -> Response:

@@ -1,4 +1,4 @@
-"""Owns the layers around every route, and their order: id, log, figures and headers outermost, the body's size last."""
+"""Owns the layers around every route, and their order: id, log, figures and headers outermost, the body within."""
 
 from __future__ import annotations
 
@@ -42,9 +42,10 @@ def install_middleware(
 ) -> None:
     """Put the layers around an application; the last one added is the first that a request meets."""
     app.add_middleware(StreamEnder, stopping=stopping)
-    app.add_middleware(BodyLimit, max_bytes=settings.max_body_bytes)
     if settings.demands_token:
         app.add_middleware(QuotaGate, quotas=quotas)
+    app.add_middleware(BodyLimit, max_bytes=settings.max_body_bytes)  # what never fits need not be tried again later
+    if settings.demands_token:
         app.add_middleware(TokenGate, settings=settings, quotas=quotas)
     if settings.cors_origins:
         app.add_middleware(ApiCors, settings=settings)  # before the token, which no preflight brings

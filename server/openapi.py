@@ -17,6 +17,7 @@ from server.schemas_control import CONTROL_REQUESTS
 from server.schemas_linear import LINEAR_REQUESTS
 from server.schemas_store import STORE_REQUESTS
 
+API = "/api/"
 REF = "#/components/schemas/{model}"
 PROBLEM_REF = {"$ref": "#/components/schemas/ProblemDocument"}
 FAILURES = {
@@ -99,9 +100,11 @@ def _complete(document: dict[str, Any], schemas: dict[str, Any]) -> None:
         schemas.pop(name, None)
     document["components"]["securitySchemes"] = {"token": {"type": "http", "scheme": "bearer"}}
     examples = load_examples()
-    for path in document["paths"].values():
-        for item in path.values():
+    for path, operations in document["paths"].items():
+        for item in operations.values():
             _forget_fastapis_own_errors(item["responses"])
+            if path.startswith(API):  # there an unknown query parameter is refused, whatever else there is
+                item["responses"].setdefault("422", _failure(422))
             _show_example(item, examples.get(item["operationId"], {}))
 
 

@@ -99,7 +99,7 @@ def thinned(run: Run, max_points: int | None) -> Run:
 
 
 def as_mapping(preview: PreviewRun, columns: Sequence[str], max_points: int | None) -> dict[str, Any]:
-    """Return a run as plain values: samples of the columns that were asked for, with their extremes."""
+    """Return a run as plain values and arrays: samples of the columns that were asked for, with their extremes."""
     run = preview.run
     series = {name: run.values[name] for name in run.variables if name in columns}
     of_cells = {name: run.cell_values[name] for name in run.cell_variables if name in columns}
@@ -111,10 +111,10 @@ def as_mapping(preview: PreviewRun, columns: Sequence[str], max_points: int | No
         "message": preview.message,
         "events": [{"time": e.time, "kind": e.kind, "cell": e.cell, "label": str(e)} for e in run.events],
         "units": {"t": "s"} | _units(run.variables, series) | _units(run.cell_variables, of_cells),
-        "columns": {"t": times[samples].tolist()} | {name: values[samples].tolist() for name, values in series.items()},
+        "columns": {"t": times[samples]} | {name: values[samples] for name, values in series.items()},
         "cells": [
             {"name": cell, "unit": run.extension_units[j]}
-            | {name: table[samples, j].tolist() for name, table in of_cells.items()}
+            | {name: table[samples, j] for name, table in of_cells.items()}
             for j, cell in enumerate(run.cells)
         ],
         "final": run.final,

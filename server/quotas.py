@@ -10,10 +10,12 @@ import math
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 DAY = 86_400.0
+UNKNOWN_END, LONGEST_WAIT = 60.0, 3600.0
+"""After so long one who waits for jobs to end should ask again: where no rate tells when, and at the latest, s."""
 MOST_STRANGERS = 4096
 """Addresses remembered that brought a wrong token; the longest silent is forgotten first."""
 
@@ -49,7 +51,7 @@ class QuotaError(Exception):
     Attributes
     ----------
     limit : the setting that says so, without its prefix, and its value in `bound`.
-    retry_after : seconds after which the same request is admitted; None where it never is.
+    retry_after : seconds after which the same request is admitted, for jobs to end an estimate; None where it never is.
 
     """
 
@@ -69,11 +71,15 @@ class _Allowance:
         """Return the seconds until `amount` can be taken, 0 where it can now; infinite where it exceeds the size."""
         if self._rate <= 0.0:
             return 0.0
-        if amount > self.size:
+        if self.never(amount):
             return math.inf
         self._level = min(self.size, self._level + (now - self._at) * self._rate)
         self._at = now
         return max(0.0, (amount - self._level) / self._rate)
+
+    def never(self, amount: float) -> bool:
+        """Whether no waiting makes room for `amount`."""
+        return 0.0 < self._rate and amount > self.size
 
     def take(self, amount: float) -> None:
         """Take what `wait` said is there; what is spent afterwards may go below zero and is waited for."""
@@ -122,37 +128,44 @@ class Quotas:
             with self._lock:
                 self._account(principal).bytes.take(count)
 
-    def check_job(self, principal: Principal, *, running: int, cases: int) -> None:
-        """Count a new job of so many cases, where so many of the principal's jobs are unfinished.
+    def check_job(self, principal: Principal, ends: Sequence[float | None], *, cases: int) -> None:
+        """Count a new job of so many cases; `ends` are as in `check_running`.
 
         Raises
         ------
         QuotaError
-            Where the job has to wait, or is too large for any day. Nothing is counted then.
+            Where the job is too large for any day, or has to wait. Nothing is counted then.
 
         """
-        self.check_running(principal, running)
         if not principal.limited:
             return
         limits = self._limits
         with self._lock:
             account, now = self._account(principal), self._clock()
             whose = f"the token '{principal.name}'"
-            _demand(account.jobs, 1, now, f"{whose} has used up its {limits.jobs_per_day} jobs a day",
-                    limit="quota_jobs_per_day")  # fmt: skip
+            if not account.cases.never(cases):  # where no waiting helps, nothing else need be told
+                self.check_running(principal, ends)
+                _demand(account.jobs, 1, now, f"{whose} has used up its {limits.jobs_per_day} jobs a day",
+                        limit="quota_jobs_per_day")  # fmt: skip
             _demand(account.cases, cases, now, f"a job of {cases} cases exceeds what is left to {whose} of its "
                     f"{limits.cases_per_day} cases a day", limit="quota_cases_per_day")  # fmt: skip
             account.jobs.take(1)
             account.cases.take(cases)
 
-    def check_running(self, principal: Principal, running: int) -> None:
-        """Raise `QuotaError` where one more job may not be under way beside so many unfinished ones; nothing counts."""
+    def check_running(self, principal: Principal, ends: Sequence[float | None]) -> None:
+        """Raise `QuotaError` where one more job may not be under way beside the unfinished ones; nothing counts.
+
+        `ends` holds for each of these the seconds after which it will end, None where that is not known.
+        """
         most = self._limits.running_jobs
-        if principal.limited and 0 < most <= running:
+        if principal.limited and 0 < most <= len(ends):
+            known = sorted(end for end in ends if end is not None)
+            surplus = len(ends) - most  # so many must end before the one whose end makes room
+            wait = known[surplus] if surplus < len(known) else UNKNOWN_END
             raise QuotaError(
-                f"{running} jobs of the token '{principal.name}' are unfinished, and {most} may be: "
+                f"{len(ends)} jobs of the token '{principal.name}' are unfinished, and {most} may be: "
                 "wait for one to end, or cancel one",
-                limit="quota_running_jobs", bound=most, retry_after=60.0,
+                limit="quota_running_jobs", bound=most, retry_after=min(wait, LONGEST_WAIT),
             )  # fmt: skip
 
     def _account(self, principal: Principal) -> _Account:

@@ -44,6 +44,13 @@ class ProblemDocument(Wire):
     errors: list[ErrorItem] = Field(description="What is wrong, place by place; at most 100.")
 
 
+class ApiIndex(Wire):
+    """Where one begins."""
+
+    version: str = Field(description="Version of the program.")
+    links: dict[str, str] = Field(description="Addresses by what is there: openapi, docs, presets, designs, jobs...")
+
+
 class Health(Wire):
     """Whether the program is up, and whether it can simulate at once."""
 

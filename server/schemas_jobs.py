@@ -170,7 +170,9 @@ class MetricSummary(Wire):
     least: Number = Field(description="Smallest value.")
     most: Number = Field(description="Largest value.")
     percentiles: dict[str, Number] = Field(description="By percentage: 5, 25, 50, 75, 95.")
-    interval: MeanInterval | None = Field(description="Where the mean lies; null with fewer than two values.")
+    interval: MeanInterval | None = Field(
+        description="Where the mean lies; null with fewer than two values, and where cases are no independent draws."
+    )
 
 
 class CorrelationItem(Wire):

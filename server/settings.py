@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 from urllib.parse import urlsplit
@@ -13,9 +14,13 @@ from pydantic import BeforeValidator, Field, SecretStr, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from models.limits import DEFAULT_LIMITS, Limits
+from models.suggestions import suggestion
 from server.quotas import QuotaLimits
 from server.tokens import NamedToken, read_tokens
 
+PREFIX = "GLIDER_STUDIO_"
+ELSEWHERE = ("KERNEL_CACHE",)
+"""What is read from the environment before there are settings."""
 HOST_NAME = re.compile(r"[A-Za-z0-9.-]{1,253}|\[?[0-9A-Fa-f:.]+\]?")
 
 
@@ -42,7 +47,7 @@ class Settings(BaseSettings):
     """
 
     model_config = SettingsConfigDict(
-        env_prefix="GLIDER_STUDIO_", env_ignore_empty=True, hide_input_in_errors=True, extra="ignore", frozen=True
+        env_prefix=PREFIX, env_ignore_empty=True, hide_input_in_errors=True, extra="ignore", frozen=True
     )
 
     host: str = Field(default="127.0.0.1", min_length=1, description="Address to listen on.")
@@ -148,3 +153,12 @@ class Settings(BaseSettings):
             samples=self.max_samples,
             steps=self.max_steps,
         )
+
+
+def unknown_settings(environment: Iterable[str]) -> Iterator[str]:
+    """Yield a warning for each variable whose name looks like a setting and is none: nothing would read it."""
+    known = [name.upper() for name in (*Settings.model_fields, *ELSEWHERE)]
+    for name in sorted(environment):
+        own = name.upper().removeprefix(PREFIX)
+        if name.upper() != own and own not in known:
+            yield f"{name} is no setting, and nothing reads it: {suggestion(own, known, prefix=PREFIX) or 'unset it'}"

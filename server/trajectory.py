@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -25,10 +24,12 @@ from server.jobs.plan import Plan
 from server.jobs.tasks import plan_of
 from server.jobs.trajectories import read_trajectory
 from server.store.job_records import Job
+from server.time_limits import TimeLimits
 from server.version import VERSION
 
 LONGEST = 30.0
 """Longest that a case is computed again for one who waits, s."""
+_TIME_LIMITS = TimeLimits()
 planned = lru_cache(maxsize=8)(plan_of)
 """Returns the plan of a batch document; those asked for lately are kept, since a large one takes a while to check."""
 
@@ -68,13 +69,8 @@ def case_run(job: Job, case: int, files: JobFiles, limits: Limits, control: Cont
     kept = _kept_run(path, case, design) if path.exists() else None
     if kept is not None:
         return CaseRun(kept, kept=True)
-    timer = threading.Timer(LONGEST, control.cancel)
-    timer.daemon = True
-    timer.start()
-    try:
+    with _TIME_LIMITS.within(LONGEST, control.cancel):
         [run] = run_batch([assemble(design, limits)], limits=limits, control=control)
-    finally:
-        timer.cancel()
     if run.status is Status.cancelled:
         raise TooLongError(
             f"the trajectory of case {case} was not kept, and takes longer than {LONGEST:g} s to compute again: "

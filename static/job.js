@@ -7,14 +7,16 @@ import { MOST_CASES, loadTable } from "./jobdata.js";
 import { watchJob } from "./jobevents.js";
 import { connectActions, connectDownloads, showFailures, showHead, showProblem } from "./jobhead.js";
 import { Histogram } from "./jobhistogram.js";
-import { Paths, showSelected, tellingCases } from "./jobpaths.js";
+import { Paths, tellingCases } from "./jobpaths.js";
 import { MOST_SELECTED, loadPlots, slotColor } from "./jobplots.js";
 import { Scatter } from "./jobscatter.js";
+import { showSelected } from "./jobselected.js";
 import { CaseList } from "./jobtable.js";
 import { showCorrelations, showIndices } from "./jobtables.js";
 import { isOver, whole } from "./jobwords.js";
 import { Parallel, connectAxisMenu } from "./parallel.js";
 import { createStore } from "./store.js";
+import { onScheme } from "./theme.js";
 
 const EVERY = 2000; // ms between looks at the results of a job that runs
 const SHARE = 5; // of the time, at most one part in so many is spent fetching them
@@ -48,7 +50,7 @@ const parallel = new Parallel($("parallel"), { onBrush });
 const showAxisMenu = connectAxisMenu(parallel, () => set({ sizes: get("sizes") + 1 }));
 const paths = new Paths($("paths"), { id, onChange: () => set({ sizes: get("sizes") + 1 }) });
 const list = new CaseList({ onSelect });
-const links = { studio: (n) => caseInStudio(id, n), design: (n) => caseDesign(id, n), drop: onSelect };
+const links = { studio: (n) => caseInStudio(id, n), design: (n) => caseDesign(id, n), drop: onSelect, group: (group) => set({ group, status: "" }) };
 
 // What is drawn first: the first parameter and the first metric, coloured by the second of either.
 function chooseAxes(table) {
@@ -138,11 +140,11 @@ function onLinked(linked) {
 }
 
 function showGone() {
-  $("content").hidden = true;
-  $("opening").hidden = false;
-  $("status").hidden = true;
+  for (const part of ["content", "opening", "status", "state", "downloads", "actions"]) $(part).hidden = true;
+  $("gone").hidden = false;
+  document.title = "No such job · Glider studio";
   setText($("name"), "No such job");
-  $("opening").replaceChildren("This job does not exist: it may have been deleted. ", el("a", { class: "btn", href: "../jobs" }, "All jobs"));
+  setText($("gone-id"), id);
 }
 
 const ask = connectActions(() => get("job"), {
@@ -239,7 +241,7 @@ function connectControls() {
     quiet = setTimeout(() => set({ sizes: get("sizes") + 1 }), REDRAW);
   };
   addEventListener("resize", redraw);
-  matchMedia("(prefers-color-scheme: light)").addEventListener("change", redraw);
+  onScheme(redraw);
 }
 
 async function start() {

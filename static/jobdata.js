@@ -7,6 +7,8 @@ export const MOST_CASES = 20_000;
 const FINE = ["completed", "surface", "bed"];
 const NAMED = ["crashed", "refused"]; // failures whose reason says more than their status
 const PAGES_A_PART = 4;
+const NOISE = 1e-8; // of a metric's largest value: about a solver's tolerance
+const WIDE = 1e4;
 
 export const isFine = (status) => FINE.includes(status);
 
@@ -60,8 +62,15 @@ export class CaseTable {
   }
 
   scale(name) {
-    if (!this.scales.has(name)) this.scales.set(name, scaleOf(this.info.get(name).unit, ...(this.bounds(name) ?? [1, 1])));
+    const { unit, role } = this.info.get(name);
+    if (!this.scales.has(name)) this.scales.set(name, scaleOf(unit, ...(this.bounds(name) ?? [1, 1]), { noise: role === "metric" ? NOISE : 0 }));
     return this.scales.get(name);
+  }
+
+  // Whether a column goes over so many powers of ten that an axis in proportion would put most of it into one place.
+  isWide(name) {
+    const [low, high] = this.bounds(name);
+    return low > 0 && high / low >= WIDE;
   }
 
   words(name) {
@@ -81,6 +90,23 @@ export class CaseTable {
 
   textWithUnit(name, row) {
     return this.info.get(name).numeric ? this.scale(name).withUnit(this.values.get(name)[row]) : this.text(name, row);
+  }
+
+  // Whether a case was simulated at all, so that it may have a path.
+  ran(n) {
+    return this.rows.has(n) && !NAMED.includes(this.status[this.rows.get(n)]);
+  }
+
+  // The case that went well whose parameters are nearest to a row's, each measured by its range; null where none did.
+  nearestFine(row) {
+    const spans = this.infos.filter(({ role, numeric }) => role === "parameter" && numeric).map(({ name }) => [this.values.get(name), this.bounds(name)]);
+    let [nearest, least] = [null, Infinity];
+    for (let i = 0; i < this.size; i += 1) {
+      if (this.group[i] !== null) continue;
+      const away = spans.reduce((sum, [values, bounds]) => sum + (bounds && bounds[1] > bounds[0] ? ((values[i] - values[row]) / (bounds[1] - bounds[0])) ** 2 : 0), 0);
+      if (away < least) [nearest, least] = [this.cases[i], away];
+    }
+    return nearest;
   }
 
   // Which rows pass: by status, by the failure's reason, and by the brushes on the axes.

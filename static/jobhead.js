@@ -4,7 +4,7 @@ import { $, el, setText } from "./dom.js";
 import { NONE } from "./format.js";
 import { act, showActions } from "./jobactions.js";
 import { FORMATS, designInStudio, documentFile, resultsFile } from "./jobapi.js";
-import { KINDS, ProgressBar, casesText, duration, isOver, nameOf, rateText, setChip, tookText, when, whole } from "./jobwords.js";
+import { KINDS, ProgressBar, casesOf, casesText, duration, isOver, mendable, nameOf, rateText, setChip, toldOf, tookText, when, whole } from "./jobwords.js";
 import { problemNodes } from "./problem.js";
 
 const bar = new ProgressBar();
@@ -26,8 +26,6 @@ function facts(job) {
   ].filter(Boolean);
 }
 
-const why = ({ state, reason, stopped_early: early }) => reason ?? (early ? "It stopped before all cases: the wanted width was reached." : state === "queued" ? "It waits for its turn." : "");
-
 export function showHead(job, { ask }) {
   document.title = `${nameOf(job)} · Jobs · Glider studio`;
   setText($("name"), nameOf(job));
@@ -40,19 +38,32 @@ export function showHead(job, { ask }) {
   setText($("progress-failed"), failed ? `${whole(failed)} failed` : "");
   setText($("progress-percent"), cases > 0 ? `${Math.floor((100 * done) / cases)} %` : NONE);
   $("facts").replaceChildren(...facts(job).map(([name, value]) => el("div", {}, el("dt", {}, name), el("dd", {}, ...[value].flat()))));
-  const { warnings } = job;
-  const told = [why(job), ...warnings].filter((text) => text !== "");
-  $("reason").hidden = told.length === 0;
-  $("reason").classList.toggle("calm", warnings.length === 0 && (job.state === "queued" || job.stopped_early));
-  setText($("reason-text"), told.join(" "));
+  const { tone, text } = toldOf(job);
+  $("reason").hidden = text === "";
+  $("reason").className = `box ${tone}`;
+  $("reason-text").dataset.tone = tone;
+  setText($("reason-text"), text);
+  $("warnings").hidden = job.warnings.length === 0;
+  setText($("warnings-text"), job.warnings.join(" "));
   showActions($("actions"), job, ask);
   for (const link of $("downloads").querySelectorAll("[data-format]")) link.toggleAttribute("aria-disabled", done === 0);
+}
+
+// What a retry could do about the failures, said where it is offered and where it is not.
+function retryText(job) {
+  const { failed } = job.progress;
+  const broke = mendable(job);
+  const rest = "Narrow the ranges or mend the design, and start a new job.";
+  if (broke === 0) return `A retry is not offered: ${failed === 1 ? "this case fails" : "these cases fail"} by ${failed === 1 ? "its" : "their"} own values, and would fail again. ${rest}`;
+  const mend = `A retry may mend the ${casesOf(broke)} whose computation broke off`;
+  return broke < failed ? `${mend}; the others fail by their own values, and would fail again.` : `${mend}.`;
 }
 
 // The reasons of failures, each a button that shows only its cases.
 export function showFailures(job, { group, pick }) {
   const { failures } = job;
   $("failures").hidden = failures.length === 0;
+  setText($("retry-why"), retryText(job));
   const key = JSON.stringify([failures, group]);
   if ($("failures").dataset.key === key) return;
   $("failures").dataset.key = key;

@@ -1,6 +1,6 @@
 // The chart library: loaded when first needed, dressed in the page's own variables, without controls of its own.
 
-import { cssColor } from "./plots.js";
+import { cssColor } from "./plotcanvas.js";
 
 const ADDRESS = new URL("../vendor/plotly.min.js", import.meta.url).href;
 const FONT = '-apple-system, BlinkMacSystemFont, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif';

@@ -4,7 +4,7 @@ import { el, setText } from "./dom.js";
 import { NONE } from "./format.js";
 import { jobPage } from "./jobapi.js";
 import { showActions } from "./jobactions.js";
-import { KINDS, ProgressBar, casesText, chip, duration, isOver, nameOf, rateText, setChip, tookText, when, whole } from "./jobwords.js";
+import { KINDS, ProgressBar, casesText, chip, duration, isOver, nameOf, rateText, setChip, toldOf, tookText, when, whole } from "./jobwords.js";
 
 const cell = (name, ...children) => el("td", { role: "cell", class: name }, ...children);
 
@@ -15,7 +15,7 @@ export class JobRow {
     this.chip = chip(job.state);
     this.link = el("a", { href: jobPage(job.id), "data-testid": "open-job" });
     this.about = el("small");
-    this.reason = el("small", { class: "reason" });
+    this.reason = el("small", { class: "told", "data-testid": "reason" });
     this.cases = el("span", { "data-testid": "cases" });
     [this.rate, this.left] = [cell("number rate"), cell("number left")];
     this.made = el("time");
@@ -34,7 +34,9 @@ export class JobRow {
     setChip(this.chip, job.state);
     setText(this.link, nameOf(job));
     setText(this.about, [KINDS[job.kind], job.name ? design.name : null].filter(Boolean).join(" · "));
-    setText(this.reason, job.reason ?? "");
+    const { tone, text } = job.reason ? toldOf(job) : { tone: "calm", text: "" };
+    this.reason.dataset.tone = tone;
+    setText(this.reason, text);
     this.bar.show(job);
     const failed = progress.failed > 0 ? [" · ", el("b", {}, `${whole(progress.failed)} failed`)] : [];
     this.cases.replaceChildren(casesText(progress), ...failed);

@@ -3,11 +3,14 @@
 import { $, setText } from "./dom.js";
 import { COLOR_SCALE, draw, plain, slotColor } from "./jobplots.js";
 import { whole } from "./jobwords.js";
-import { cssColor } from "./plots.js";
+import { cssColor } from "./plotcanvas.js";
 import { withUnit } from "./units.js";
 
 const MOST_POINTS = 3000; // drawn as SVG: more would be slow to draw, and to see
 const FOOT = 0.06; // of the height: how far below the points those without a value stand
+
+const MOST_LETTERS = 90; // of a reason in a tooltip
+const cut = (text) => (text.length > MOST_LETTERS ? `${text.slice(0, MOST_LETTERS).trimEnd()}…` : text);
 
 export class Scatter {
   constructor(box, { onSelect }) {
@@ -38,10 +41,16 @@ export class Scatter {
     const part = every > 1 ? ` Every ${every === 2 ? "second" : every === 3 ? "third" : `${every}th`} case is drawn.` : "";
     setText($("scatter-note"), `${whole(rows.passing.length)} cases.${low}${part}`);
     this.box.setAttribute("aria-label", `Scatter of ${table.label(this.y)} over ${table.label(this.x)}; the table below holds the same cases`);
-    const drawn = draw(this.box, traces, { x: { title: table.label(this.x) }, y: { title: table.label(this.y) }, hovermode: "closest", uirevision: `${this.x} ${this.y}` });
+    const [x, y] = [this.axis(this.x), this.axis(this.y)];
+    const drawn = draw(this.box, traces, { x, y, hovermode: "closest", uirevision: `${this.x} ${x.type} ${this.y} ${y.type}` });
     this.showKey();
     this.listen();
     return drawn;
+  }
+
+  axis(name) {
+    const wide = this.table.isWide(name);
+    return { title: wide ? `${this.table.label(name)} (logarithmic)` : this.table.label(name), type: wide ? "log" : "linear" };
   }
 
   // What the colours say, beside the choice of their column.
@@ -68,6 +77,7 @@ export class Scatter {
 
   footOf() {
     const [low, high] = this.table.bounds(this.y).map((v) => v * this.table.scale(this.y).per);
+    if (this.table.isWide(this.y)) return low * (low / high) ** FOOT;
     return low - FOOT * (high - low || Math.abs(high) || 1);
   }
 
@@ -84,7 +94,7 @@ export class Scatter {
     const { table } = this;
     const names = [...new Set([this.x, this.y, this.color].filter(Boolean))];
     const lines = names.map((name) => `${plain(table.words(name))} ${plain(table.textWithUnit(name, i))}`);
-    const why = table.group[i] === null ? [] : [plain(table.reason[i] ?? table.status[i]).slice(0, 90)];
+    const why = table.group[i] === null ? [] : [plain(cut(table.reason[i] ?? table.status[i])), "Click: why, and what can be opened"];
     return [`Case ${table.cases[i]}`, ...lines, ...why].join("<br>");
   }
 
@@ -129,6 +139,6 @@ export class Scatter {
     const frame = this.box.getBoundingClientRect();
     const row = this.table.rows.get(n);
     const [x, y] = [this.column(this.x, [row])[0], this.heights([row])[0]];
-    return { x: frame.left + xaxis._offset + xaxis.l2p(x), y: frame.top + yaxis._offset + yaxis.l2p(y) };
+    return { x: frame.left + xaxis._offset + xaxis.d2p(x), y: frame.top + yaxis._offset + yaxis.d2p(y) };
   }
 }

@@ -2,7 +2,7 @@
 
 import { $, el, setText } from "./dom.js";
 import { slotColor, slotDash } from "./jobplots.js";
-import { whole } from "./jobwords.js";
+import { reasonParts, whole } from "./jobwords.js";
 
 const A_PAGE = 25;
 
@@ -104,7 +104,7 @@ export class CaseList {
     if (chosen) key.style.borderTop = `2.5px ${slotDash(chosen.slot) === "dash" ? "dashed" : "solid"} ${slotColor(chosen.slot)}`;
     const button = el("button", { type: "button", class: "case-button", "data-case": n, "aria-pressed": String(Boolean(chosen)), "aria-label": `Case ${n}: ${chosen ? "drop" : "show"} its path`, "data-testid": `case-${n}`, onclick: () => this.onSelect(n) }, key, String(n));
     const failed = table.group[i] !== null;
-    const why = failed && table.reason[i] ? el("small", { title: table.reason[i] }, table.reason[i]) : null;
+    const why = failed && table.reason[i] ? el("small", { title: table.reason[i] }, reasonParts(table.reason[i])[0].text) : null;
     return el("tr", { "data-row": n, class: chosen ? "chosen" : null },
       el("td", {}, button), el("td", { class: failed ? "ended failed" : "ended" }, table.status[i], why),
       ...table.infos.map((info) => el("td", { class: info.numeric ? "number" : null }, table.text(info.name, i))));

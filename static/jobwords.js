@@ -15,22 +15,55 @@ export const isMoving = ({ state }) => ["running", "cancelling", "queued"].inclu
 
 export const nameOf = ({ name, kind, design }) => name || `${KINDS[kind] ?? kind} of ${design.name || "a design"}`;
 
-const again = ({ state, progress }) => (state === "cancelled" ? "Continue" : progress.failed > 0 && OVER.includes(state) ? "Retry failed" : null);
+// A case's numbers depend on its values alone: what was refused, or ran away, does so each time. Only a computation that
+// broke off, as by a lack of memory, may end otherwise.
+export const mayMend = (reason) => /^(crashed|cancelled)\b/.test(reason);
+
+// How many failed cases a retry may mend; of the rarest kinds of failures a record does not tell, which may be such.
+export function mendable({ failures, progress }) {
+  const told = failures.reduce((sum, { count }) => sum + count, 0);
+  return failures.reduce((sum, { reason, count }) => sum + (mayMend(reason) ? count : 0), Math.max(0, progress.failed - told));
+}
+
+function again(job) {
+  if (job.state === "cancelled") return { label: "Continue", title: "Compute what is missing" };
+  const broke = OVER.includes(job.state) ? mendable(job) : 0;
+  return broke > 0 ? { label: "Retry failed", title: `Compute again the ${casesOf(broke)} whose computation broke off` } : null;
+}
 
 // What may be asked of a job in its state, each with the word for it.
 export function actionsOf(job) {
   const actions = [];
   if (job.state === "paused") actions.push({ verb: "resume", label: "Resume", title: "Go on where it paused" });
   if (!isOver(job) && job.state !== "cancelling") actions.push({ verb: "cancel", label: "Cancel", title: "Stop; what is done is kept" });
-  const label = again(job);
-  if (label) actions.push({ verb: "retry", label, title: "Compute what failed or is missing" });
+  const more = again(job);
+  if (more) actions.push({ verb: "retry", ...more });
   if (isOver(job)) actions.push({ verb: "delete", label: "Delete", title: "Delete the job and its results" });
   return actions;
 }
 
 export const whole = (n) => String(n).replace(/\B(?=(\d{3})+$)/g, "\u2009");
 
+export const casesOf = (n) => `${whole(n)} ${n === 1 ? "case" : "cases"}`;
+
 export const casesText = ({ done, cases }) => `${whole(done)} of ${whole(cases)}`;
+
+// The reason of a refused case names fields by their pointers, "; " between several: message and pointer, apart.
+export function reasonParts(reason) {
+  return (reason ?? "").split(/; (?=\/)/).filter(Boolean).map((part) => {
+    const [, pointer, text] = /^(\/[^\s:]*): (.*)$/s.exec(part) ?? [null, null, part];
+    return { pointer, text: capital(text) };
+  });
+}
+
+const capital = (text) => text && text[0].toUpperCase() + text.slice(1);
+
+// Why a job is as it is, with what that means: good, calm (it needs nothing), warn or bad.
+export function toldOf({ state, reason, stopped_early: early }) {
+  if (early) return { tone: "good", text: capital(reason ?? "stopped before all cases: the wanted width was reached") };
+  if (reason) return { tone: { failed: "bad", paused: "warn" }[state] ?? "calm", text: capital(reason) };
+  return { tone: "calm", text: state === "queued" ? "It waits for its turn." : "" };
+}
 
 export function rateText(rate) {
   if (rate == null || !(rate > 0)) return NONE;
@@ -41,6 +74,7 @@ export function rateText(rate) {
 export function duration(seconds) {
   if (seconds == null || !Number.isFinite(seconds)) return NONE;
   const s = Math.max(0, Math.round(seconds));
+  if (s < 1) return "under 1 s";
   if (s < 100) return `${s} s`;
   if (s < 100 * 60) return `${Math.round(s / 60)} min`;
   if (s < 48 * 3600) return `${Math.floor(s / 3600)} h ${Math.round((s % 3600) / 60)} min`;

@@ -2,7 +2,7 @@
 // through it: with the pointer, or with the two handles that each axis has for the keyboard.
 
 import { $, el, setText } from "./dom.js";
-import { cssColor, prepare } from "./plots.js";
+import { cssColor, prepare } from "./plotcanvas.js";
 
 const PAD = { top: 20, bottom: 52, side: 62 };
 const ROOM = 104; // pixels an axis needs

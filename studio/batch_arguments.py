@@ -6,7 +6,9 @@ import argparse
 from importlib.resources import files
 from pathlib import Path
 
-FORMATS = ("csv", "parquet", "nc", "mat", "json")
+from server.format_names import ENDINGS, format_named
+
+FORMATS = tuple(ENDINGS)
 EXAMPLES = ("sweep", "monte-carlo", "sensitivity")
 
 
@@ -38,7 +40,11 @@ def add_batch(parser: argparse.ArgumentParser) -> None:
         help="where results are kept; named after SPEC if not given. The same again goes on where it stopped",
     )  # fmt: skip
     parser.add_argument(
-        "--format", choices=FORMATS, action="append", help="write cases.FORMAT at the end (csv); may be repeated"
+        "--format",
+        type=format_named,
+        choices=FORMATS,
+        action="append",
+        help="format of the table that is written at the end, cases.csv by default; may be repeated",
     )
     who = parser.add_mutually_exclusive_group()
     who.add_argument(

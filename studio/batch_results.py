@@ -7,12 +7,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from server.format_names import ENDINGS
 from server.jobs.formats import file_blocks, mat_file, netcdf_file, parquet_file, stream_csv, stream_json
 from server.jobs.record import told_in_files
 from server.jobs.results import Results
 from server.jobs.service import Jobs
 from server.jobs.spec import Sensitivity, parse_spec
-from server.jobs.summary import summarize
+from server.jobs.summary import DRAWN, summarize
 from server.store.job_records import Job
 
 
@@ -20,9 +21,10 @@ def write_results(jobs: Jobs, job: Job, folder: Path, formats: Sequence[str]) ->
     """Write cases.* and summary.json, each whole or not at all; return the summary."""
     results = Results(jobs.files(job), cases=job.counted, chunk_size=job.chunk_size)
     for format in dict.fromkeys(formats):
-        _write(folder / f"cases.{format}", _blocks(jobs, job, results, format))
+        _write(folder / f"cases.{ENDINGS[format]}", _blocks(jobs, job, results, format))
     spec = parse_spec(json.loads(job.spec))
-    summary = summarize(results, study=spec if isinstance(spec, Sensitivity) else None)
+    study = spec if isinstance(spec, Sensitivity) else None
+    summary = summarize(results, study=study, drawn=job.kind == DRAWN)
     _write(folder / "summary.json", [json.dumps(summary, indent=1, ensure_ascii=False).encode() + b"\n"])
     return summary
 
@@ -32,11 +34,10 @@ def _blocks(jobs: Jobs, job: Job, results: Results, format: str) -> Iterator[byt
         return stream_csv(results)
     if format == "json":
         return stream_json(results)
+    about = told_in_files(job, jobs.record(job))
     if format == "parquet":
-        return file_blocks(parquet_file(results))
-    record = jobs.record(job)
-    about = told_in_files(job, record)
-    return file_blocks(netcdf_file(results, about) if format == "nc" else mat_file(results, about))
+        return file_blocks(parquet_file(results, about))
+    return file_blocks(netcdf_file(results, about) if format == "netcdf" else mat_file(results, about))
 
 
 def _write(path: Path, blocks: Iterable[bytes]) -> None:

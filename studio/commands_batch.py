@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import signal
 import sys
 import threading
@@ -15,8 +16,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from models.kernel import CACHE_FOLDER
 from models.problems import DesignError
+from models.warm import LANES_DONE
 from server.jobs.engines import Engine, EngineLostError, SerialEngine, make_engine
 from server.jobs.files import DiskFullError
 from server.jobs.matlab import TooLargeError
@@ -26,7 +27,7 @@ from server.jobs.results import LostResultsError
 from server.jobs.service import Jobs
 from server.jobs.spec import checksum, parse_spec
 from server.jobs.submission import engine_version, no_store
-from server.settings import Settings
+from server.settings import Settings, unknown_settings
 from server.store.database import Database, sqlite_url
 from server.store.designs import DesignStore
 from server.store.errors import StoreError
@@ -77,6 +78,8 @@ def batch(options: argparse.Namespace) -> int:
 
 def _settings(options: argparse.Namespace, folder: Path) -> Settings | None:
     """Return the settings of jobs: those of the environment, and above them the options."""
+    for warning in unknown_settings(os.environ):
+        complain("environment", f"warning: {warning}")
     given: dict[str, Any] = {"data": folder, "host": "127.0.0.1"}
     if options.workers is not None:
         given |= {"workers": options.workers or None, "scheduler": None}
@@ -104,7 +107,7 @@ def _batch(document: Any, settings: Settings, options: argparse.Namespace) -> in
         max_cases=settings.max_cases, reserve=settings.min_free_mib * 2**20,
     )  # fmt: skip
     try:
-        if not CACHE_FOLDER.exists():
+        if not LANES_DONE.exists():
             _tell("preparing the physics: the first start on a machine compiles it, which takes a while")
         job = _chosen(jobs, document, options)
         print(f"job         {job.id}: {job.name}", flush=True)

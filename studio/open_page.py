@@ -19,6 +19,7 @@ PAGE = """<!doctype html>
   <meta name="robots" content="noindex">
   <title>{title} · Glider studio</title>
   <link rel="icon" href="{root}static/icon.svg" type="image/svg+xml">
+  <script src="{root}static/themestart.js"></script>
   <link rel="stylesheet" href="{root}static/tokens.css">
   <link rel="stylesheet" href="{root}static/opening.css">
 </head>
@@ -72,6 +73,12 @@ def again_link(request: Request) -> str:
     """Return the link that tries the same address once more."""
     query = f"?{request.url.query}" if request.url.query else ""
     return f'<a class="btn primary" href="{escape(request.url.path + query)}">Try again</a>'
+
+
+def job_link(request: Request, job_id: str | None) -> str:
+    """Return the link back to a job's page, or to the list of jobs."""
+    path, name = ("jobs", "All jobs") if job_id is None else (f"jobs/{job_id}", "Back to the job")
+    return f'<a class="btn primary" href="{escape(_root(request) + path)}" data-testid="back-to-jobs">{name}</a>'
 
 
 def _root(request: Request) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gc
+import logging
+import os
 import signal
 import socket
 import sys
@@ -14,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 import uvicorn
 from pydantic import ValidationError
 
-from models.warm import kernel_is_ready, warm_kernel
+from models.warm import SIMULATION_DONE, kernel_is_ready, warm_kernel
 from server.app import create_app, open_store
 from server.jobs.opening import open_jobs
 from server.logs import configure_logging
-from server.settings import Settings
+from server.settings import Settings, unknown_settings
 from server.stopping import Stopping
 from studio.exit_codes import DONE, UNUSABLE
 from studio.web import create_studio, running
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from fastapi import FastAPI
 
 
+_log = logging.getLogger(__name__)
 GRACE = 3
 """Longest that answers under way may take once the server stops, s."""
 
@@ -64,14 +67,17 @@ class Server(uvicorn.Server):
     def __init__(self, config: uvicorn.Config, stopping: Stopping) -> None:
         super().__init__(config)
         self._stopping = stopping
+        self._asked_by = "itself"
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Stop on the first signal, at once on Ctrl-C after it; being asked to stop is no failure."""
         self.force_exit = self.should_exit and sig == signal.SIGINT
         self.should_exit = True
+        self._asked_by = signal.Signals(sig).name
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End event streams and previews, and close what remains."""
+        _log.info("stopping, asked by %s; answers under way have %d s", self._asked_by, GRACE)
         self._stopping.begin()
         await super().shutdown(sockets)
 
@@ -108,8 +114,10 @@ def bind(settings: Settings) -> socket.socket | None:
     return listener
 
 
-def _announce_kernel() -> None:
-    print("Preparing the physics: the first start on a machine compiles it, which takes a while.", flush=True)
+def _prepare_kernel() -> None:
+    """Compile the kernel, which is told, or load what an earlier start has compiled, which takes a moment."""
+    if not SIMULATION_DONE.exists():
+        print("Preparing the physics: the first start on a machine compiles it, which takes a while.", flush=True)
     warm_kernel()
     _settle()
     print("The physics is ready.", flush=True)
@@ -132,12 +140,14 @@ def serve(*, host: str | None = None, port: int | None = None, data: Path | None
     if settings is None or listener is None:
         return UNUSABLE
     configure_logging(settings.log_format, settings.log_level)
+    for warning in unknown_settings(os.environ):
+        _log.warning("%s", warning)
     app = make_app(settings)
     shown = f"[{settings.host}]" if ":" in settings.host else settings.host
     print(f"Glider studio is at http://{shown}:{listener.getsockname()[1]}/ (Ctrl-C stops it)", flush=True)
     if kernel_is_ready():
         _settle()
     else:
-        threading.Thread(target=_announce_kernel, name="kernel-warm-up", daemon=True).start()
+        threading.Thread(target=_prepare_kernel, name="kernel-warm-up", daemon=True).start()
     Server(uvicorn_config(app), app.state.stopping).run(sockets=[listener])
     return DONE

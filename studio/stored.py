@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Annotated
@@ -30,7 +31,7 @@ from server.store.errors import DeletedError, NotFoundError, RevisionError, Stor
 from server.store.thumbnails import SVG
 from server.trajectory import case_design, planned
 from studio.access import Admitted, AnySessions, SettingsNow, has_token, set_session_cookie
-from studio.open_page import again_link, opening_page, problem_page, restore_form
+from studio.open_page import again_link, job_link, opening_page, problem_page, restore_form
 from studio.operations import Document
 from studio.origin import CaseOrigin, Origin
 from studio.saving import keep_picture, origin_of, read_save, save
@@ -216,19 +217,38 @@ def _moment(text: str | None) -> float | None:
 
 
 def _refusal(request: Request, error: LinkError | StoreError | DesignError, design_id: str | None) -> Response:
+    back = _way_back(request)
     if isinstance(error, LinkError):
-        return problem_page(request, 422, "This link cannot be opened", str(error))
+        return problem_page(request, 422, "This link cannot be opened", str(error), action=back)
     if isinstance(error, DesignError):
-        title = "This document cannot be opened as it is"
-        errors = [f"{p.pointer}: {p.message}" if p.pointer else p.message for p in error.problems[:10]]
-        return problem_page(request, 422, title, "Its values make no glider that can be simulated.", errors=errors)
+        return _no_glider(request, error, back)
     status = STORE_STATUS[type(error)]
     said = str(error)
-    action = again_link(request) if status == 503 else ""
+    action = again_link(request) if status == 503 else back
     if isinstance(error, DeletedError) and design_id is not None:
         said, action = "It is kept, with all its revisions, and can be brought back.", restore_form(request, design_id)
     detail = said[:1].upper() + said[1:].removesuffix(".") + "."
     return problem_page(request, status, TITLES.get(status, HTTPStatus(status).phrase), detail, action=action)
+
+
+def _no_glider(request: Request, error: DesignError, back: str) -> Response:
+    title, detail = "This document cannot be opened as it is", "Its values make no glider that can be simulated."
+    if (named := RUN.fullmatch(request.query_params.get("run", ""))) is not None:
+        title = f"Case {int(named[2])} cannot be opened"
+        detail = f"{detail} The page of its job shows the values of all cases, and opens those that went well."
+    errors = [str(p) if p.pointer else str(p).removeprefix("/: ") for p in error.problems[:10]]
+    return problem_page(request, 422, title, detail, errors=errors, action=back)
+
+
+def _way_back(request: Request) -> str:
+    """Return the link back for who followed the link of a case: to its job, or to all jobs where it has none."""
+    if (run := request.query_params.get("run")) is None:
+        return ""
+    named, jobs, known = RUN.fullmatch(run), request.state.jobs, None
+    if named is not None and jobs is not None:
+        with suppress(StoreError):
+            known = jobs.store.get(named[1]).id
+    return job_link(request, known)
 
 
 def _no_token(request: Request) -> Response:

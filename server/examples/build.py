@@ -104,6 +104,7 @@ def example_requests() -> dict[str, dict[str, Any]]:
     requests: dict[str, dict[str, Any]] = {
         "get_health": {"at": ("GET", "/healthz")},
         "get_readiness": {"at": ("GET", "/readyz")},
+        "get_index": {"at": ("GET", API)},
         "list_presets": {"at": ("GET", f"{API}/presets")},
         "get_preset": {"at": ("GET", f"{API}/presets/{{preset_id}}"), "parameters": {"preset_id": PRESET}},
         "get_design_schema": {"at": ("GET", f"{API}/schemas/design")},

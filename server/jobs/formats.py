@@ -6,6 +6,7 @@ A parameter's value that is no number is JSON in every format; in JSON it is sim
 from __future__ import annotations
 
 import csv
+import json
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
@@ -70,10 +71,15 @@ def label(field: pa.Field) -> str:
     return f"{field.name} [{unit}]" if unit and field.name not in FIXED else field.name
 
 
-def parquet_file(results: Results) -> Path:
-    """Write the table as one Parquet file, units and meanings in its fields; the caller sends and deletes it."""
+def parquet_file(results: Results, about: Mapping[str, Any]) -> Path:
+    """Write the table as one Parquet file; the caller sends and deletes it.
+
+    Units and meanings are in the metadata of its fields, `about` in that of its schema, what is no text as JSON.
+    """
     chunks = results.chunks()
-    with _download(results, ".parquet") as path, pq.ParquetWriter(path, results.schema, compression="zstd") as writer:
+    told_of = {name: value if isinstance(value, str) else json.dumps(value) for name, value in about.items()}
+    schema = results.schema.with_metadata(told_of)
+    with _download(results, ".parquet") as path, pq.ParquetWriter(path, schema, compression="zstd") as writer:
         for block in results.blocks(chunks=chunks):
             writer.write_batch(block)
         return path

@@ -95,6 +95,7 @@ def write_netcdf(results: Results, path: Path, about: Mapping[str, Any]) -> None
         for field in results.schema:
             _add_column(file, names[field.name], field)
         if samples.kept:
+            file.variables["case"].attrs["cf_role"] = "trajectory_id"
             attributes["featureType"] = "trajectory"
             _define_samples(file, samples)
         file.attrs.update(attributes)
@@ -146,7 +147,7 @@ def _add_column(file: Any, name: str, field: pa.Field) -> None:
     attributes = {"long_name": field.name, "comment": told(field, "meaning")}
     if field.name == "case":
         variable = file.create_variable(name, ("case",), np.int64)
-        attributes = {"long_name": told(field, "meaning"), "cf_role": "trajectory_id"}
+        attributes = {"long_name": told(field, "meaning")}
     elif pa.types.is_string(field.type):
         variable = file.create_variable(name, ("case",), TEXT)
     else:

@@ -80,8 +80,8 @@ class Levels(Parameter):
         return low + (high - low) * (k / last) if k < last else high
 
 
-class Range(Parameter):
-    """A parameter anywhere between two values."""
+class Interval(Description):
+    """All values between two."""
 
     low: float = number("Smallest value.")
     high: float = number("Largest value.")
@@ -90,6 +90,10 @@ class Range(Parameter):
     def _rises(self) -> Self:
         _require_rising(self.low, self.high)
         return self
+
+
+class Range(Interval, Parameter):
+    """A parameter anywhere between two values."""
 
 
 class Normal(Description):
@@ -100,31 +104,21 @@ class Normal(Description):
     sd: float = number("Standard deviation.", gt=0.0)
 
 
-class Uniform(Description):
+class Uniform(Interval):
     """All values between two are equally likely."""
 
     kind: Literal["uniform"] = text("Which distribution this is: uniform.")
-    low: float = number("Smallest value.")
-    high: float = number("Largest value.")
-
-    @model_validator(mode="after")
-    def _rises(self) -> Self:
-        _require_rising(self.low, self.high)
-        return self
 
 
-class TruncatedNormal(Description):
+class TruncatedNormal(Interval):
     """A normal distribution, given that it lies between two values."""
 
     kind: Literal["truncated_normal"] = text("Which distribution this is: a truncated normal.")
     mean: float = number("Mean before it is truncated.")
     sd: float = number("Standard deviation before it is truncated.", gt=0.0)
-    low: float = number("Smallest value.")
-    high: float = number("Largest value.")
 
     @model_validator(mode="after")
     def _holds_something(self) -> Self:
-        _require_rising(self.low, self.high)
         reach = max((self.low - self.mean) / self.sd, (self.mean - self.high) / self.sd)
         if reach > MOST_SD:
             raise ValueError(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
@@ -13,23 +12,20 @@ from server.store.job_records import Failure, Job
 
 def record_of(job: Job, *, failures: Sequence[Failure]) -> dict[str, Any]:
     """Return a job's record, ready for JSON."""
-    about = json.loads(job.about)
-    left = job.counted - job.done
-    alive = job.state == "running" and job.lease_until > time.time()  # else it waits for another process to take it
-    rate = job.rate if alive else None
+    about = json.loads(job.about)  # jobs that an earlier version kept lack the warnings
     return {
         "id": job.id, "name": job.name, "kind": job.kind, "state": job.state, "reason": job.reason,
         "created": moment(job.created), "started": moment(job.started), "finished": moment(job.finished),
         "progress": {
             "cases": job.counted, "done": job.done, "failed": job.failed,
             "chunks": job.chunks, "chunks_done": job.chunks_done,
-            "rate": rate, "seconds_left": left / rate if rate else None,
+            "rate": job.rate_now, "seconds_left": job.seconds_left,
         },
         "design": about["design"], "parameters": about["parameters"], "metrics": about["metrics"],
         "engine": about["engine"] | {"processors": job.processors.splitlines()},
         "checksum": job.checksum, "trajectories": about["trajectories"],
         "failures": [{"reason": f.reason, "count": f.count, "case": f.case} for f in failures],
-        "stopped_early": job.stopped_at is not None, "warnings": about["warnings"],
+        "stopped_early": job.stopped_at is not None, "warnings": about.get("warnings", []),
     }  # fmt: skip
 
 

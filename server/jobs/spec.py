@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator
+from functools import cache
 from typing import Annotated, Any, Literal, Self
 
 import rfc8785
@@ -14,7 +15,8 @@ from pydantic import Discriminator, Field, Tag, TypeAdapter, ValidationError, fi
 from models.design import Design, parse_design
 from models.fields import LARGEST_WHOLE, Description, Switch, text
 from models.metric_requests import MetricRequest
-from models.problems import DesignError, Problem, echo, pointer_to, problems_from_validation
+from models.plain_words import plainly
+from models.problems import DesignError, Problem, echo, pointer_to
 from server.jobs.parameters import LARGEST_SEED, Correlation, Drawn, Levels, Parameter, Range, number
 
 FORMAT = "glider-batch"
@@ -230,7 +232,7 @@ def parse_spec(document: Any) -> JobSpec:
     try:
         spec = _ADAPTER.validate_python(document)
     except ValidationError as error:
-        raise DesignError([*problems, *_told(problems_from_validation(error, document))]) from None
+        raise DesignError([*problems, *_told(plainly(error, document, batch_schema()))]) from None
     if problems:
         raise DesignError(problems)
     return spec
@@ -240,7 +242,7 @@ def _told(problems: list[Problem]) -> Iterator[Problem]:
     """Leave out that a list is too short, where it is so only because entries of it were refused."""
     for problem in problems:
         within = any(other.pointer.startswith(f"{problem.pointer}/") for other in problems)
-        if not (within and "after validation" in problem.message):
+        if not (within and problem.message.startswith("there must be at least")):
             yield problem
 
 
@@ -281,6 +283,7 @@ def checksum(spec: JobSpec, design: Design, engine_version: str) -> str:
     return hashlib.sha256(b"\n".join(parts)).hexdigest()
 
 
+@cache
 def batch_schema() -> dict[str, Any]:
     """Return the JSON Schema of the batch document."""
     return _ADAPTER.json_schema() | {

@@ -2,7 +2,8 @@
 
 Metrics of failed cases are left out: they say how far a run got before it went wrong. Count, mean, standard deviation
 and extremes are of all other cases; of very many, percentiles and correlations are those of a random part, told in
-`sampled`.
+`sampled`. A mean has an interval only where cases are drawn independently of each other: a grid has no chance in it,
+and the points of a Latin hypercube or of Sobol fill their ranges better than chance, by how much one plan cannot tell.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from pydantic_core import to_json
 from server.jobs.case_table import FIXED, CaseRow
 from server.jobs.correlations import correlations
 from server.jobs.files import write_whole
-from server.jobs.intervals import MOST_RESAMPLED, interval_of_mean, normal_interval
+from server.jobs.intervals import MOST_RESAMPLED, Interval, interval_of_mean, normal_interval
 from server.jobs.moments import Moments
 from server.jobs.results import Results
 from server.jobs.sensitivity import indices
@@ -36,11 +37,15 @@ MOST_VALUES = 4_000_000
 MOST_GROUPS = 50
 """Most groups of failures that are told."""
 SEED = 20_250_102
-VERSION = 1
+VERSION = 2
 """Of what is kept in a file; a file of another version is not used."""
+DRAWN = "monte_carlo"
+"""The kind of job whose cases are drawn independently of each other."""
 
 
-def summarize(results: Results, *, study: Sensitivity | None = None, keep: bool = False) -> dict[str, Any]:
+def summarize(
+    results: Results, *, study: Sensitivity | None = None, drawn: bool = False, keep: bool = False
+) -> dict[str, Any]:
     """Return the summary, ready for JSON.
 
     Parameters
@@ -49,18 +54,20 @@ def summarize(results: Results, *, study: Sensitivity | None = None, keep: bool 
         The case table.
     study
         The batch document of a sensitivity study, which has indices.
+    drawn
+        Whether the cases are drawn independently of each other: then means have intervals.
     keep
         Whether the job is over: then the summary is kept in its folder, and used until a chunk changes.
 
     """
     if not keep:
-        return _summary(results, study)
+        return _summary(results, study, drawn=drawn)
     path, state = results.files.folder / "summary.json", _state(results)
     with suppress(OSError, ValueError, KeyError, TypeError):
         kept = json.loads(path.read_bytes())
         if kept["of"] == state:
             return dict(kept["summary"])
-    summary = _summary(results, study)
+    summary = _summary(results, study, drawn=drawn)
     with suppress(OSError):  # what cannot be kept is computed again
         write_whole(path, to_json({"of": state, "summary": summary}))
     return summary
@@ -75,7 +82,7 @@ def _state(results: Results) -> str:
     return digest.hexdigest()
 
 
-def _summary(results: Results, study: Sensitivity | None) -> dict[str, Any]:
+def _summary(results: Results, study: Sensitivity | None, *, drawn: bool) -> dict[str, Any]:
     columns = [column for column in results.columns() if column.numeric]
     parameters = [column.name for column in columns if column.role == "parameter"]
     metrics = [column for column in columns if column.role == "metric"]
@@ -86,7 +93,7 @@ def _summary(results: Results, study: Sensitivity | None) -> dict[str, Any]:
         "cases": table.cases,
         "failed": sum(group["count"] for group in groups),
         "sampled": len(table.metrics) if table.is_part else None,
-        "metrics": {column.name: _of_metric(column, table, k) for k, column in enumerate(metrics)},
+        "metrics": {column.name: _of_metric(column, table, k, drawn=drawn) for k, column in enumerate(metrics)},
         "correlations": correlations(table.parameters, table.metrics, parameters, names),
         "failures": groups[:MOST_GROUPS],
         "indices": None if study is None else _indices(results, study, parameters, names),
@@ -130,15 +137,12 @@ def _count_failures(failed: pa.RecordBatch, failures: dict[str, dict[str, Any]])
         failures.setdefault(group, {"reason": group, "count": 0, "case": case})["count"] += 1
 
 
-def _of_metric(column: ColumnInfo, table: _Table, k: int) -> dict[str, Any]:
+def _of_metric(column: ColumnInfo, table: _Table, k: int, *, drawn: bool) -> dict[str, Any]:
     moments = table.moments
     count, mean, sd = int(moments.count[k]), moments.mean[k], moments.sd[k]
     values = table.metrics[:, k]
     values = values[np.isfinite(values)]
-    if not table.is_part and count <= MOST_RESAMPLED:
-        interval = interval_of_mean(values)
-    else:
-        interval = normal_interval(mean, sd, count) if count > 1 else None
+    interval = _interval(table, values, mean=mean, sd=sd, count=count) if drawn else None
     found = np.percentile(values, PERCENTILES) if len(values) else np.full(len(PERCENTILES), np.nan)
     return {
         "unit": column.unit, "meaning": column.meaning,
@@ -150,6 +154,12 @@ def _of_metric(column: ColumnInfo, table: _Table, k: int) -> dict[str, Any]:
             "high": _finite(interval.high), "method": interval.method,
         },
     }  # fmt: skip
+
+
+def _interval(table: _Table, values: Array, *, mean: float, sd: float, count: int) -> Interval | None:
+    if not table.is_part and count <= MOST_RESAMPLED:
+        return interval_of_mean(values)
+    return normal_interval(mean, sd, count) if count > 1 else None
 
 
 def _indices(

@@ -9,21 +9,23 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Header, Path, Query, Request
 from fastapi.responses import Response, StreamingResponse
+from pydantic import BeforeValidator
 from starlette.exceptions import HTTPException
 
 from models.design import Design
 from models.problems import DesignError, Problem
 from models.run_warnings import run_warnings
 from models.simulate import Control
-from server.answers import CSV, JSON, NETCDF, json_answer, negotiate
+from server.answers import CSV, JSON, NETCDF, json_answer, negotiate, series_answer
 from server.dependencies import OneJob, SharedJobs, SharedRunner
+from server.format_names import ENDINGS, format_named
 from server.jobs.files import DiskFullError
 from server.jobs.formats import file_blocks, mat_file, netcdf_file, parquet_file, stream_csv, stream_json
 from server.jobs.matlab import TooLargeError
 from server.jobs.record import told_in_files
 from server.jobs.results import LostResultsError, Results
 from server.jobs.spec import Sensitivity
-from server.jobs.summary import summarize
+from server.jobs.summary import DRAWN, summarize
 from server.openapi import operation
 from server.preview import PreviewRun, as_mapping, check_columns, thinned
 from server.routes.jobs import ONE, Cursor
@@ -36,7 +38,7 @@ from server.trajectory import CaseRun, TooLongError, case_design, case_run, plan
 router = APIRouter(tags=["job results"])
 PARQUET, MAT = "application/vnd.apache.parquet", "application/x-matlab-data"
 MEDIA: dict[str, str] = {"json": JSON, "csv": CSV, "parquet": PARQUET, "netcdf": NETCDF, "mat": MAT}
-ENDINGS = {JSON: "json", CSV: "csv", PARQUET: "parquet", NETCDF: "nc", MAT: "mat"}
+ENDING_OF = {media: ENDINGS[name] for name, media in MEDIA.items()}
 TEXT, BINARY = {"schema": {"type": "string"}}, {"schema": {"type": "string", "format": "binary"}}
 TABLES: dict[int | str, dict[str, Any]] = {200: {"content": {CSV: TEXT, PARQUET: BINARY, NETCDF: BINARY, MAT: BINARY}}}
 FILES: dict[int | str, dict[str, Any]] = {200: {"content": {CSV: TEXT, NETCDF: BINARY}}}
@@ -142,7 +144,7 @@ async def get_trajectory(
         with _told():
             found = case_run(job, case, jobs.files(job), jobs.limits, control)
         if media == JSON:
-            return json_answer(_trajectory(found, case, shown, max_points))
+            return series_answer(_trajectory(found, case, shown, max_points))
         run = thinned(found.run, max_points)
         content = run.to_csv() if media == CSV else run.to_netcdf()
         return Response(content, media_type=media, headers=_attached(job, media, f"-case-{case}"))
@@ -166,6 +168,10 @@ def _trajectory(found: CaseRun, case: int, columns: tuple[str, ...], max_points:
     return shown | {"case": case, "kept": found.kept}
 
 
+def _named(given: Any) -> Any:
+    return format_named(given) if isinstance(given, str) else given
+
+
 @router.get(
     f"{ONE}/results", response_model=CaseTable, responses=TABLES, summary="Get all results of a job",
     **operation("get_results", 406, *READS),
@@ -174,12 +180,14 @@ def get_results(
     job: OneJob,
     jobs: SharedJobs,
     results: CaseTableNow,
-    format: Annotated[Format | None, Query(description="Format, for links; if not given, Accept chooses.")] = None,
+    format: Annotated[
+        Format | None, BeforeValidator(_named), Query(description="Format, for links; if not given, Accept chooses.")
+    ] = None,
     accept: Accept = None,
 ) -> Response:
     """Stream the case table of what is done: JSON, CSV, Parquet, NetCDF (kept trajectories with it) or a MATLAB file.
 
-    NetCDF and MATLAB files hold the batch document too, so that whoever has one can run it again.
+    Parquet, NetCDF and MATLAB files hold the batch document too, so that whoever has one can run it again.
     """
     media = MEDIA[format] if format is not None else negotiate(accept, tuple(MEDIA.values()))
     with _told():
@@ -193,13 +201,13 @@ def _content(results: Results, media: str, about: dict[str, Any]) -> Iterator[by
     if media == CSV:
         return stream_csv(results)
     if media == PARQUET:
-        return file_blocks(parquet_file(results))
+        return file_blocks(parquet_file(results, about))
     return file_blocks(netcdf_file(results, about) if media == NETCDF else mat_file(results, about))
 
 
 def _attached(job: Job, media: str, what: str = "") -> dict[str, str]:
     slug = re.sub(r"[^A-Za-z0-9]+", "-", job.name)[:LONGEST_SLUG].strip("-").lower() or "job"
-    return {"Content-Disposition": f'attachment; filename="{slug}-{job.id}{what}.{ENDINGS[media]}"'}
+    return {"Content-Disposition": f'attachment; filename="{slug}-{job.id}{what}.{ENDING_OF[media]}"'}
 
 
 @router.get(
@@ -207,10 +215,11 @@ def _attached(job: Job, media: str, what: str = "") -> dict[str, str]:
     **operation("get_summary", *READS),
 )  # fmt: skip
 def get_summary(job: OneJob, results: CaseTableNow) -> Response:
-    """Answer percentiles, bootstrap intervals of means, correlations, failures by reason, and sensitivity indices.
+    """Answer percentiles, correlations, failures by reason, intervals of means of draws, and sensitivity indices.
 
     They are of the cases that are done by now, those that failed left out.
     """
     spec = planned(job.spec).spec if job.kind == "sensitivity" else None
+    study = spec if isinstance(spec, Sensitivity) else None
     with _told():
-        return json_answer(summarize(results, study=spec if isinstance(spec, Sensitivity) else None, keep=job.over))
+        return json_answer(summarize(results, study=study, drawn=job.kind == DRAWN, keep=job.over))

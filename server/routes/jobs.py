@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import AsyncIterable, AsyncIterator
+from collections.abc import AsyncIterable, AsyncIterator, Iterable
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Header, Query, Request
@@ -74,7 +74,8 @@ def create_job(
     principal, quotas = principal_of(request.scope), request.app.state.quotas
 
     def admit(cases: int) -> None:
-        quotas.check_job(principal, running=jobs.store.count_active(principal.name), cases=cases)
+        unfinished = jobs.store.unfinished(principal.name) if principal.limited else ()
+        quotas.check_job(principal, _ends_of(unfinished), cases=cases)
 
     asked = Asked(principal.name, key, hashlib.sha256(body).hexdigest())
     job, is_new = jobs.submit(document, asked, fresh=fresh, admit=admit)
@@ -150,9 +151,14 @@ def resume_job(request: Request, job: OneJob, jobs: SharedJobs) -> Response:
 
 def _require_room(request: Request, job: Job, jobs: Jobs) -> None:
     """Raise `QuotaError` where a job may not go on beside the other unfinished ones of the principal it counts for."""
-    others = jobs.store.count_active(job.principal) - (not job.over)
+    others = [other for other in jobs.store.unfinished(job.principal) if other.id != job.id]
     limited = principal_of(request.scope).limited
-    request.app.state.quotas.check_running(Principal(job.principal, limited=limited), others)
+    request.app.state.quotas.check_running(Principal(job.principal, limited=limited), _ends_of(others))
+
+
+def _ends_of(unfinished: Iterable[Job]) -> list[float | None]:
+    """Return the seconds until each of some jobs ends, None where that is not known."""
+    return [job.seconds_left for job in unfinished]
 
 
 def _parent(request: Request) -> str:

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from models.simulate import Control
-from server.answers import CSV, JSON, NETCDF, json_answer, negotiate
+from server.answers import CSV, JSON, NETCDF, negotiate, series_answer
 from server.dependencies import Document, SettingsNow, SharedRunner
 from server.documents import design_sent_at, read_request
 from server.openapi import operation
@@ -45,6 +45,6 @@ def _answer(document: Any, media: str, settings: Settings, control: Control) -> 
     with design_sent_at(prefix):
         preview = run_preview(design, settings, control)
     if media == JSON:
-        return json_answer(as_mapping(preview, columns, max_points))
+        return series_answer(as_mapping(preview, columns, max_points))
     run = thinned(preview.run, max_points)
     return Response(run.to_csv() if media == CSV else run.to_netcdf(), media_type=media)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 from server.store.errors import StoreError
@@ -29,22 +30,11 @@ class NewJob:
 
 
 @dataclass(frozen=True, slots=True)
-class Job:
-    """A job as it is now; the fields are those of the table."""
+class Job(NewJob):
+    """A job as it is now: what was kept of it then, and what has become of it; the fields are those of the table."""
 
-    id: str
-    kind: str
-    name: str
-    spec: str
-    about: str
-    checksum: str
-    principal: str
-    idempotency_key: str | None
-    request_digest: str
     state: str
     reason: str | None
-    cases: int
-    chunk_size: int
     chunks: int
     done: int
     failed: int
@@ -69,6 +59,17 @@ class Job:
     def counted(self) -> int:
         """How many cases count: all, or those up to where enough was known."""
         return self.cases if self.stopped_at is None else self.stopped_at
+
+    @property
+    def rate_now(self) -> float | None:
+        """Cases a second, lately; None where none is computed, as while it waits for another process to take it."""
+        return self.rate if self.state == "running" and self.lease_until > time.time() else None
+
+    @property
+    def seconds_left(self) -> float | None:
+        """Seconds until its end at this rate; None where that is not known."""
+        rate = self.rate_now
+        return (self.counted - self.done) / rate if rate else None
 
 
 @dataclass(frozen=True, slots=True)

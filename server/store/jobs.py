@@ -52,7 +52,7 @@ class JobStore:
         if admit is not None:
             admit(new.cases)
         chunks = -(-new.cases // new.chunk_size)
-        row = {name: getattr(new, name) for name in NewJob.__slots__}
+        row = {field.name: getattr(new, field.name) for field in fields(NewJob)}
         row |= {"state": "queued", "chunks": chunks, "created": time.time(), "sequence": 1, "lease_until": 0.0}
         row |= dict.fromkeys(("done", "failed", "chunks_done"), 0) | {"cancel_requested": False, "processors": ""}
         try:
@@ -110,11 +110,16 @@ class JobStore:
         with self._database.read() as connection:
             return [Job(spec="", **row._mapping) for row in connection.execute(query)]
 
-    def count_active(self, principal: str) -> int:
-        """Return how many jobs of a principal are not over."""
-        query = select(func.count()).where(and_(jobs.c.principal == principal, jobs.c.state.not_in(OVER)))
+    def unfinished(self, principal: str) -> list[Job]:
+        """Return the jobs of a principal that are not over, without their `spec`."""
+        query = select(*LIGHT).where(and_(jobs.c.principal == principal, jobs.c.state.not_in(OVER)))
         with self._database.read() as connection:
-            return int(connection.execute(query).scalar_one())
+            return [Job(spec="", **row._mapping) for row in connection.execute(query)]
+
+    def count_unfinished(self) -> int:
+        """Return how many jobs are not over, whoever's they are."""
+        counts = self.counts()
+        return sum(counts[state] for state in STATES if state not in OVER)
 
     def counts(self) -> dict[str, int]:
         """Return how many jobs there are in each state."""

@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
-import httpx
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from models.presets import load_preset
 from tests.browser.conftest import Program
+from tests.browser.jobs_support import (
+    FRONT,
+    SLIGHTLY,
+    Api,
+    api_of,
+    opened,
+    partial_job,
+    row,
+    sweep,
+    swept_job,
+    wait_until,
+    watching,
+)
 
 pytestmark = pytest.mark.browser
 
-FRONT = "/vehicle/components/1/position/0"
-SLIGHTLY = 24
 MANY = 20_000
 CHARTS_FIT = """() => [...document.querySelectorAll(".plot .main-svg")].every((svg) => {
   const [chart, box] = [svg.getBoundingClientRect(), svg.closest(".plot").getBoundingClientRect()];
@@ -25,93 +33,26 @@ CHARTS_FIT = """() => [...document.querySelectorAll(".plot .main-svg")].every((s
 })"""
 
 
-def batch(kind: str, name: str, **more: Any) -> dict[str, Any]:
-    design = load_preset("canete-dual-bellows").model_dump(mode="json")
-    return {"format": "glider-batch", "version": 1, "kind": kind, "name": name, "design": design, **more}
-
-
-def sweep(name: str, count: int) -> dict[str, Any]:
-    mass = {"pointer": "/vehicle/components/1/mass", "low": 0.029, "high": 0.031}
-    ranges = [{"pointer": FRONT, "low": 0.15, "high": 0.2}, mass]
-    return batch("sweep", name, method={"kind": "latin_hypercube", "count": count, "parameters": ranges})
-
-
-class Api:
-    """The API of the program, as a script beside the browser uses it."""
-
-    def __init__(self, url: str) -> None:
-        self.client = httpx.Client(base_url=f"{url}/api/v1/", trust_env=False, timeout=60)
-
-    def post(self, document: dict[str, Any]) -> str:
-        answer = self.client.post("jobs", json=document, params={"fresh": True})
-        assert answer.status_code == 202, answer.text
-        return str(answer.json()["id"])
-
-    def get(self, path: str) -> Any:
-        answer = self.client.get(path)
-        assert answer.status_code == 200, answer.text
-        return answer.json()
-
-    def wait(self, job_id: str) -> dict[str, Any]:
-        end = time.monotonic() + 120
-        while (job := self.get(f"jobs/{job_id}"))["state"] in ("queued", "running", "cancelling"):
-            assert time.monotonic() < end, job
-            time.sleep(0.1)
-        return dict(job)
-
-
 @pytest.fixture(scope="module")
 def api(program: Program) -> Iterator[Api]:
-    made = Api(program.url)
-    yield made
-    made.client.close()
+    with api_of(program) as made:
+        yield made
 
 
 @pytest.fixture(scope="module")
 def swept(api: Api) -> str:
-    job_id = api.post(sweep("A sweep that succeeds", SLIGHTLY))
-    assert api.wait(job_id)["state"] == "succeeded"
-    return job_id
+    return swept_job(api, "A sweep that succeeds")
 
 
 @pytest.fixture(scope="module")
 def partial(api: Api) -> dict[str, Any]:
-    """A job some of whose cases are refused: a duration drawn below zero."""
-    duration = {
-        "pointer": "/mission/duration",
-        "name": "time",
-        "distribution": {"kind": "normal", "mean": 4.0, "sd": 5.0},
-    }
-    job = api.wait(api.post(batch("monte_carlo", "Draws of which some fail", parameters=[duration], count=60)))
-    assert job["state"] == "partial"
-    return job
+    return partial_job(api)
 
 
 @pytest.fixture
 def watched(page: Page) -> Iterator[Page]:
-    """A page of which nothing is wrong in the end: no error in its console, nothing that its policy forbids."""
-    wrong: list[str] = []
-    page.on("console", lambda message: wrong.append(message.text) if message.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: wrong.append(str(error)))
-    yield page
-    assert wrong == []
-
-
-def opened(page: Page, program: Program, job_id: str) -> Page:
-    page.goto(f"{program.url}/jobs/{job_id}")
-    page.wait_for_function("() => window.__job?.get('plots') && document.querySelector('#scatter .main-svg') !== null")
-    return page
-
-
-def wait_until(page: Page, condition: Callable[[], bool]) -> None:
-    end = time.monotonic() + 60
-    while not condition():
-        assert time.monotonic() < end, "the page did not get there in time"
-        page.wait_for_timeout(50)
-
-
-def row(page: Page, job_id: str) -> Any:
-    return page.get_by_test_id(f"job-{job_id}")
+    with watching(page) as found:
+        yield found
 
 
 def test_list_and_page_follow_a_job_live_until_it_is_cancelled(program, watched, api, swept):
@@ -295,7 +236,9 @@ def test_files_are_fetched_from_the_page(program, watched, swept):
 
 def test_a_job_that_does_not_exist_says_so(program, page):
     page.goto(f"{program.url}/jobs/01hzzzzzzzzzzzzzzzzzzzzzzz")
-    expect(page.get_by_text("This job does not exist")).to_be_visible()
+    expect(page.get_by_role("heading", name="This job does not exist")).to_be_visible()
+    for part in ("state", "status", "downloads"):
+        expect(page.get_by_test_id(part)).to_be_hidden()
     page.get_by_role("link", name="All jobs").click()
     page.wait_for_url("**/jobs")
 

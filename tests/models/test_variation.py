@@ -8,6 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from models.assemble import assemble
 from models.design import Design, parse_design
 from models.field_info import field_at
 from models.presets import load_preset
@@ -126,6 +127,23 @@ def test_equals_the_parsed_patched_document(case):
 @settings(max_examples=100, deadline=None, suppress_health_check=list(HealthCheck))
 def test_equals_it_in_space(case):
     assert_same(*case)
+
+
+def numbers(design):
+    """All that the kernel is given, or the problems."""
+    made = outcome(lambda: assemble(design))
+    return made if isinstance(made, list) else [made.initial_state.tobytes(), *(a.tobytes() for a in made.params)]
+
+
+@given(st.one_of(changes(designs()), changes(spatial_designs())))
+@settings(max_examples=100, deadline=None, suppress_health_check=list(HealthCheck))
+def test_it_is_assembled_as_the_parsed_document_is(case):
+    """In every bit, though what follows from the parts that it shares with others is remembered."""
+    design, values = case
+    numbers(design)
+    whole = patched(design, values)
+    if isinstance(whole, Design):
+        assert numbers(varied(design, values)) == numbers(whole)
 
 
 @pytest.mark.parametrize("preset", VARIED_PRESETS)

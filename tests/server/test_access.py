@@ -104,6 +104,15 @@ def test_bytes_that_were_sent_are_counted():
     assert int(refused.headers["retry-after"]) > 3600
 
 
+def test_a_body_that_never_fits_is_told_before_a_quota_that_refills():
+    app = create_app(Settings(host="0.0.0.0", token=TOKEN, quota_burst=1, quota_requests_per_second=0.001))
+    assert ask("GET", PRESETS, app=app, headers=bearer(TOKEN)).status_code == 200
+    assert_problem(ask("POST", VALIDATE, preset(), app=app, headers=bearer(TOKEN)), 429)
+    too_large = b" " * 5_000_000
+    assert_problem(ask("POST", VALIDATE, too_large, app=app, headers=bearer(TOKEN)), 413, says="limit of 4194304 bytes")
+    assert_problem(ask("POST", VALIDATE, too_large, app=app), 401)  # a stranger learns nothing
+
+
 def test_without_tokens_nothing_is_counted():
     app = local_app(quota_burst=1, quota_requests_per_second=0.001, quota_body_bytes_per_day=1)
     assert {ask("POST", VALIDATE, preset(), app=app).status_code for _ in range(5)} == {200}

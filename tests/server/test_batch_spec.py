@@ -191,7 +191,7 @@ def test_whole_numbers_are_rounded_where_they_are_drawn_and_levels_listed_are_no
     assert all(type(value) is int for value in values) and set(values) == set(range(3, 10))
     assert [row[0] for row in plan_of(factorial(ranged(PLEATS, 2, 4, count=5))).rows(0, 5)] == [2, 2, 3, 4, 4]
     refused(factorial({"pointer": PLEATS, "values": [3, 3.5]}), "/method/parameters/0/values/1",
-            "3.5 for 'Front bellows pleats': /vehicle/components/1/pleats: Input should be a valid")  # fmt: skip
+            "3.5 for 'Front bellows pleats': /vehicle/components/1/pleats: a whole number is wanted")  # fmt: skip
 
 
 def test_a_seed_for_every_case():
@@ -217,14 +217,14 @@ def test_a_seed_for_every_case():
         (document() | {"version": 2}, "/version", "version 2; this program reads versions up to 1 (open it with a n"),
         (document() | {"version": True}, "/version", "a number, not true or false"),
         (document("batch"), "/kind", "there is no kind 'batch'"),
-        (document() | {"sead": 3}, "/sead", "remove it or check its spelling"),
+        (document() | {"sead": 3}, "/sead", "there is no field 'sead' here (did you mean seed?)"),
         (document() | {"design_id": "x"}, "", "give exactly one of design and design_id: both are given"),
         (document() | {"design": None}, "", "give exactly one of design and design_id: neither is given"),
         (document() | {"revision": 2}, "", "revision belongs to design_id, which is not given: leave it out"),
-        (document() | {"seed": -1}, "/seed", "greater than or equal to 0, not -1"),
+        (document() | {"seed": -1}, "/seed", "a number of at least 0 is wanted, not -1"),
         (document() | {"seed": 2**53}, "/seed", "from 2^53 on"),
-        (document() | {"trajectories": "some"}, "/trajectories", "Input should be 'none' or 'all', not 'some'"),
-        (document() | {"trajectories": [0, -1]}, "/trajectories/1", "greater than or equal to 0, not -1"),
+        (document() | {"trajectories": "some"}, "/trajectories", "'none' or 'all' is wanted, not 'some'"),
+        (document() | {"trajectories": [0, -1]}, "/trajectories/1", "a number of at least 0 is wanted, not -1"),
         (document() | {"trajectories": [0, 1]}, "/trajectories/1", "there is no case 1 of 1 (cases count from 0)"),
         (document() | {"metrics": ["rnge"]}, "/metrics/0", "rnge"),
         (document() | {"metrics": []}, "/metrics", "0 metrics are asked for"),
@@ -232,8 +232,8 @@ def test_a_seed_for_every_case():
         (factorial(ranged(values=[0.1], count=2)), "/method/parameters/0", "given are values, low, high, count"),
         (factorial({"pointer": FRONT}), "/method/parameters/0", "given are none"),
         (factorial(ranged(low=0.2, high=0.1, count=2)), "/method/parameters/0", "low 0.2 does not lie below high 0.1"),
-        (factorial(ranged(count=1)), "/method/parameters/0/count", "greater than or equal to 2, not 1"),
-        (factorial(), "/method/parameters", "at least 1 item"),
+        (factorial(ranged(count=1)), "/method/parameters/0/count", "a number of at least 2 is wanted, not 1"),
+        (factorial(), "/method/parameters", "there must be at least 1, not 0"),
         (factorial(ranged(pointer="/vehicle/wing", count=2)), "/method/parameters/0/pointer",
          "/vehicle/wing: there is no field 'wing' (those are: components"),
         (factorial(ranged(pointer="/version", count=2)), "/method/parameters/0/pointer", "and cannot vary"),
@@ -245,7 +245,7 @@ def test_a_seed_for_every_case():
                     "also": [{"pointer": "/mission/solver/model", "factor": 2.0}]}),
          "/method/parameters/0/also/0/pointer", "is not a number (leave factor and offset out)"),
         (factorial(ranged(count=2, high=1e5)), "/method/parameters/0/high",
-         "100000.0 for 'Front bellows position x': /vehicle/components/1/position/0: Input should be less than or"),
+         "100000.0 for 'Front bellows position x': /vehicle/components/1/position/0: a number of at most 10000"),
         (factorial(ranged(count=2, also=[{"pointer": DENSITY, "factor": -1.0, "offset": 0.1}])),
          "/method/parameters/0/high", "0.15 for 'Front bellows position x': /mission/environment/water/density:"),
         (factorial({"pointer": FRONT, "values": [0.1, 0.2, "x", 0.1]}), "/method/parameters/0/values/2",
@@ -270,7 +270,7 @@ def test_a_seed_for_every_case():
          "2000000 cases exceed the limit of 1000000"),
         (changed("sensitivity_sobol", ("method", "base"), 20), "/method/base", "use 16 or 32"),
         (changed("sensitivity_morris", ("method", "levels"), 3), "/method/levels", "multiple of 2"),
-        (monte_carlo(drawn(kind="normal", mean=0.1, sd=0.0)), "/parameters/0/distribution/sd", "greater than 0"),
+        (monte_carlo(drawn(kind="normal", mean=0.1, sd=0.0)), "/parameters/0/distribution/sd", "a number above 0 is w"),
         (monte_carlo(drawn(kind="weibull")), "/parameters/0/distribution/kind", "there is no kind 'weibull'"),
         (monte_carlo(drawn(kind="uniform", low=2.0, high=2.0)), "/parameters/0/distribution", "low 2 does not lie bel"),
         (monte_carlo(drawn(kind="truncated_normal", mean=0.0, sd=0.1, low=1.0, high=2.0)), "/parameters/0/distribution",
@@ -280,7 +280,7 @@ def test_a_seed_for_every_case():
         (monte_carlo(drawn(), count=2_000_000), "/count", "2000000 cases exceed the limit of 1000000 (take fewer"),
         (monte_carlo(drawn(), stop={"metric": "rnge", "width": 1.0}), "/stop/metric",
          "no metric is named 'rnge' (those are: range, maximum_depth"),
-        (monte_carlo(drawn(), stop={"metric": "range", "width": 0.0}), "/stop/width", "greater than 0"),
+        (monte_carlo(drawn(), stop={"metric": "range", "width": 0.0}), "/stop/width", "a number above 0 is w"),
         (monte_carlo(drawn(), stop={"metric": "range", "width": 1.0, "statistic": "mode"}), "/stop/statistic", "'p95'"),
         (monte_carlo(drawn(), correlations=[{"between": ["Front bellows position x", "b"], "value": 0.1}]),
          "/correlations/0/between", "no parameter is named 'b' (those are: Front bellows position x)"),

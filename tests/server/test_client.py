@@ -64,7 +64,7 @@ def test_all_it_asks_is_in_the_openapi_document():
 
 def test_it_asks_nothing_else():
     """Each operation that the client names is in its table, and each in the table is used."""
-    source = inspect.getsource(client_module).partition("ENDINGS")[2]
+    source = inspect.getsource(client_module).partition("FORMATS")[2]
     assert {name for name in OPERATIONS if f'"{name}"' in source} == set(OPERATIONS)
 
 
@@ -137,6 +137,9 @@ def test_formats_are_known_by_name_or_ending(client, tmp_path):
         client.download("0" * 26, tmp_path / "results.xlsx")
     with pytest.raises(ProblemError):
         client.download("0" * 26, tmp_path / "results.nc")
+    for name in ("netcdf", "nc"):
+        with pytest.raises(ProblemError, match="no job"):
+            client.results("0" * 26, name)
     assert list(tmp_path.iterdir()) == []
 
 

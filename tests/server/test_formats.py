@@ -119,10 +119,12 @@ def test_no_spreadsheet_computes_a_cell(tmp_path, begin):
 
 
 def test_parquet(results):
-    path = formats.parquet_file(results)
+    path = formats.parquet_file(results, ABOUT)
     table = pq.read_table(path)
     assert table.equals(pa.Table.from_batches(list(results.batches())))
-    assert table.schema.equals(results.schema, check_metadata=True)
+    assert all(table.schema.field(own.name).equals(own, check_metadata=True) for own in results.schema)
+    about = {name.decode(): value.decode() for name, value in table.schema.metadata.items()}
+    assert about == ABOUT | {"design": '{"name": "a"}', "cases": "90"}
     assert table.schema.field("range").metadata == {b"unit": b"m", b"meaning": b"distance", b"role": b"metric"}
     frame = pd.read_parquet(path)
     assert frame["case"].tolist() == CASES and frame["method"].tolist() == texts("method")
@@ -136,6 +138,7 @@ def test_netcdf_without_trajectories(results):
     with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
         assert data.attrs == {"Conventions": "CF-1.11", **ABOUT, "design": '{"name": "a"}'}
         assert dict(data.sizes) == {"case": len(CASES)} and "row_size" not in data
+        assert "cf_role" not in data["case"].attrs, "there is no trajectory that a case could name"
         assert data["case"].values.tolist() == CASES and data["status"].values.tolist() == texts("status")
         assert data["reason"].values.tolist() == [reason or "" for reason in texts("reason")]
         assert data[names["method"]].values.tolist() == texts("method")
@@ -254,7 +257,7 @@ def test_plain_names():
 
 def test_a_job_of_which_nothing_is_done_has_empty_files(tmp_path):
     results = Results(JobFiles(tmp_path, "job"), cases=5, chunk_size=2)
-    paths = [formats.parquet_file(results), formats.netcdf_file(results, {}), formats.mat_file(results, {})]
+    paths = [formats.parquet_file(results, ABOUT), formats.netcdf_file(results, {}), formats.mat_file(results, {})]
     assert pq.read_table(paths[0]).schema.names == ["case", "status", "reason"]
     with xr.open_dataset(paths[1], engine="h5netcdf") as data:
         assert dict(data.sizes) == {"case": 0}
@@ -283,11 +286,11 @@ def downloads(results):
 
 
 def test_a_file_is_gone_once_it_is_sent_or_the_client_has_left(results):
-    path = formats.parquet_file(results)
+    path = formats.parquet_file(results, ABOUT)
     content = path.read_bytes()
     assert path.parent == results.files.folder and downloads(results) == [path]
     assert b"".join(formats.file_blocks(path)) == content and downloads(results) == []
-    left = formats.file_blocks(formats.parquet_file(results))
+    left = formats.file_blocks(formats.parquet_file(results, ABOUT))
     next(left)
     left.close()
     assert downloads(results) == []
@@ -302,7 +305,7 @@ def test_nothing_is_left_of_a_file_that_cannot_be_written(results, monkeypatch):
         with pytest.raises(DiskFullError, match=r"the disk is full.*take CSV"):
             formats.netcdf_file(results, {})
     results.files.path(11).write_bytes(b"nonsense")
-    for make in (formats.parquet_file, lambda r: formats.mat_file(r, {})):
+    for make in (lambda r: formats.parquet_file(r, {}), lambda r: formats.mat_file(r, {})):
         with pytest.raises(Exception, match="cannot be read"):
             make(results)
     assert downloads(results) == []
@@ -327,9 +330,9 @@ from server.jobs.results import LostResultsError, Results
 
 results = Results(JobFiles(Path(sys.argv[1]), "job"), cases=400, chunk_size=8)
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]),) * 2)
-for make in (formats.parquet_file, *(lambda r, f=f: f(r, {}) for f in (formats.netcdf_file, formats.mat_file))):
+for make in (formats.parquet_file, formats.netcdf_file, formats.mat_file):
     try:
-        make(results)
+        make(results, {})
     except DiskFullError:
         print("refused")
 """
@@ -370,5 +373,5 @@ def test_files_that_a_killed_server_left_are_removed(results):
     for path in (old, new):
         path.write_bytes(b"")
     os.utime(old, (time.time() - 1e6,) * 2)
-    formats.parquet_file(results).unlink()
+    formats.parquet_file(results, ABOUT).unlink()
     assert downloads(results) == [new]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import threading
 
 import numpy as np
 import pyarrow.csv as pacsv
@@ -147,6 +148,15 @@ def test_a_case_that_takes_too_long_again_says_how_to_keep_it(api, monkeypatch):
     assert_problem(answer, 409, says='"trajectories\\": [1]')
 
 
+def test_no_run_starts_a_thread_for_its_time_limit(api, monkeypatch):
+    api.get(f"/{api.done}/cases/3/trajectory")  # the one thread of all limits begins here
+    started = []
+    original = threading.Thread.start
+    monkeypatch.setattr(threading.Thread, "start", lambda self: (started.append(type(self)), original(self))[1])
+    api.get(f"/{api.done}/cases/3/trajectory")
+    assert threading.Timer not in started
+
+
 def test_another_kernel_is_told(api, monkeypatch):
     path = f"/{api.done}/cases/3/trajectory"
     assert not any("kernel" in item["message"] for item in api.get(path)["warnings"])
@@ -175,6 +185,8 @@ def test_all_formats_hold_the_same_numbers(api, tmp_path):
     parquet = pq.read_table(io.BytesIO(table(api, "application/vnd.apache.parquet")))
     assert parquet.column("range").to_pylist() == ranges
     assert parquet.schema.field("range").metadata[b"unit"] == b"m"
+    assert json.loads(parquet.schema.metadata[b"batch_document"])["kind"] == "sweep"
+    assert json.loads(parquet.schema.metadata[b"design"]) == api.get(f"/{api.done}")["design"]
     (tmp_path / "r.nc").write_bytes(table(api, "application/x-netcdf"))
     with xr.open_dataset(tmp_path / "r.nc", decode_times=False) as data:
         assert data["range"].values.tolist() == ranges and data.attrs["title"] == "Bellows along the hull"
@@ -189,6 +201,9 @@ def test_links_choose_a_format_by_name(api):
     answer = api.ask("GET", f"/{api.partial}/results?format=csv", headers={"accept": "text/html"})
     assert answer.headers["content-type"].startswith("text/csv") and "refused" in answer.text
     assert answer.headers["content-disposition"] == f'attachment; filename="too-far-{api.partial}.csv"'
+    for name in ("netcdf", "nc"):  # as the command line and files' endings call it
+        answer = api.ask("GET", f"/{api.partial}/results?format={name}")
+        assert answer.headers["content-disposition"].endswith(f'{api.partial}.nc"')
     assert_problem(api.ask("GET", f"/{api.partial}/results?format=xlsx"), 422, says="format")
     assert_problem(api.ask("GET", f"/{api.partial}/results", headers={"accept": "text/html"}), 406)
 
@@ -209,6 +224,7 @@ def test_the_summary_is_that_of_the_numbers(api):
     told = summary.metrics["range"]
     assert (summary.cases, told.count, told.missing) == (CASES, CASES, 0)
     assert told.mean == pytest.approx(np.mean(ranges)) and told.percentiles["50"] == pytest.approx(np.median(ranges))
+    assert told.interval is None  # a sweep is laid out, not drawn
     assert {item.parameter for item in summary.correlations} == {"place"} and summary.indices is None
     partial = JobSummary.model_validate(api.get(f"/{api.partial}/summary"), strict=False)
     assert partial.failed == 1 and partial.failures[0].case == 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -150,6 +151,27 @@ def test_jobs_that_go_on_again_count_as_unfinished_but_not_their_cases_twice(lim
     assert limited.ask("POST", f"/{ids[2]}:retry", **asks(TOKEN)).status_code == 202
 
 
+def test_who_waits_for_running_jobs_is_told_when_the_first_of_them_will_end(limited):
+    ids = [limited.ask("POST", "?fresh=true", sweep(12), **asks(TOKEN)).json()["id"] for _ in range(2)]
+    store = limited.jobs.store
+    store.claim("somebody", 60.0, most=2)
+    counted = {"cases": 2, "failures": {}, "seconds": 1.0, "processor": "x"}
+    for job_id, rate in zip(ids, (0.1, 0.05), strict=True):
+        store.begin(job_id, "somebody")
+        assert store.count_chunk(job_id, "somebody", 0, **counted, rate=rate)
+    answer = limited.ask("POST", "?fresh=true", sweep(12), **asks(TOKEN))
+    assert_problem(answer, 429, says="2 jobs of the token 'anna' are unfinished")
+    assert answer.headers["retry-after"] == "100", "ten of its cases are left to the quicker one"
+
+
+def test_a_job_of_an_earlier_version_without_warnings_is_shown(idle):
+    job = idle.jobs.store.get(idle.ask("POST", "", sweep()).json()["id"])
+    about = json.loads(job.about)
+    del about["warnings"]
+    record = idle.jobs.record(replace(job, about=json.dumps(about)))
+    assert JobRecord.model_validate(record, strict=False).warnings == []
+
+
 def test_a_paused_job_is_unfinished_already_and_may_go_on(limited):
     for _ in range(2):
         limited.ask("POST", "?fresh=true", sweep(2), **asks(TOKEN))
@@ -190,7 +212,7 @@ def test_odd_questions_are_refused(idle, query):
     assert_problem(idle.ask("GET", f"?{query}"), 422, says=query.split("=")[0])
 
 
-@pytest.mark.parametrize("job_id", [NOBODY, "x", "%00", "..", "0" * 25 + "É"])
+@pytest.mark.parametrize("job_id", [NOBODY, "x", "%00", "...", "0" * 25 + "É"])
 @pytest.mark.parametrize("what", ["", "/spec", "/events", "/cases", "/cases/0", "/results", "/summary"])
 def test_jobs_that_are_not_there(idle, job_id, what):
     assert_problem(idle.ask("GET", f"/{job_id}{what}"), 404)

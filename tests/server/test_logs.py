@@ -92,10 +92,14 @@ def test_lines_of_services_carry_the_id_in_threads_too(log):
 def test_the_token_is_named_and_never_written(log):
     secret = "the-secret-of-anna-1"
     app = create_app(Settings(host="0.0.0.0", token=f"anna:{secret}"))
-    ask("GET", f"{PRESET}?token={secret}", app=app, headers={"authorization": f"Bearer {secret}"})
+    bearer = {"authorization": f"Bearer {secret}"}
+    ask("GET", PRESET, app=app, headers=bearer)
+    # in the address of an operation it is an unknown parameter: told by its name, never by its value
+    assert secret not in ask("GET", f"{PRESET}?token={secret}", app=app, headers=bearer).text
     ask("GET", PRESET, app=app, headers={"authorization": f"Bearer {secret}x"})
-    known, unknown = requests(log)
+    known, odd, unknown = requests(log)
     assert (known["principal"], known["status"]) == ("anna", 200)
+    assert (odd["principal"], odd["status"]) == ("anna", 422)
     assert (unknown["status"], unknown["route"]) == (401, "(none)")
     assert unknown["principal"] == "-"
     assert not [item for item in log.items if item["logger"] != "httpx" and secret in json.dumps(item)]

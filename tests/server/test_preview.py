@@ -15,6 +15,7 @@ from models.design import parse_design
 from models.presets import load_preset, preset_ids
 from models.run import Run
 from models.simulate import Control, simulate
+from server.answers import json_answer, series_answer
 from server.app import create_app
 from server.examples.build import THIRD_CELL, example_design
 from server.preview import run_preview
@@ -57,6 +58,20 @@ def test_answers_are_the_librarys_own(preset_id):
     assert answer["energy"]["relative_residual"] == run.relative_residual
     assert answer["units"] == {"t": "s"} | {k: u for k, (u, _) in (run.variables | run.cell_variables).items()}
     assert answer["statistics"]["steps"] == run.statistics["steps"]
+
+
+def test_arrays_are_written_as_lists_are():
+    """To the letter, whatever the magnitude: shortest decimals that give the same numbers back, null for the others."""
+    rng = np.random.default_rng(1)
+    odd = [0.0, -0.0, 1.0, 1e15, 1e16, 1e22, 1e-5, 1e-7, 5e-324, 1.7976931348623157e308, np.nan, np.inf, -np.inf]
+    values = np.array([*odd, *rng.normal(size=1000) * 10.0 ** rng.integers(-300, 300, 1000)])
+    content = {"columns": {"t": values}, "cells": [{"name": "A", "volume": values[::2][:9].copy()}], "none": None}
+    lists = {
+        "columns": {"t": values.tolist()},
+        "cells": [{"name": "A", "volume": values[::2][:9].tolist()}],
+        "none": None,
+    }
+    assert series_answer(content).body == json_answer(lists).body
 
 
 def test_thinned_curves_keep_ends_and_extremes():

@@ -74,11 +74,11 @@ def test_what_is_promised_is_kept(clock):
             quotas.admit(ANNA)
     for _ in range(6):
         try:
-            quotas.check_job(ANNA, running=0, cases=40)
+            quotas.check_job(ANNA, [], cases=40)
         except QuotaError as error:
             assert error.retry_after is not None
             clock.now += error.retry_after + 1e-6
-            quotas.check_job(ANNA, running=0, cases=40)
+            quotas.check_job(ANNA, [], cases=40)
 
 
 def test_bytes_are_counted_after_the_fact_and_waited_for(clock):
@@ -94,25 +94,49 @@ def test_bytes_are_counted_after_the_fact_and_waited_for(clock):
 
 def test_jobs_wait_for_running_ones_and_for_their_day(clock):
     quotas = Quotas(QuotaLimits(running_jobs=2, jobs_per_day=3, cases_per_day=1000), clock=clock)
-    error = refusal(quotas.check_job, ANNA, running=2, cases=1)
+    error = refusal(quotas.check_job, ANNA, [None] * 2, cases=1)
     assert (error.limit, error.bound) == ("quota_running_jobs", 2) and error.retry_after
     assert "cancel one" in error.message
     for _ in range(3):
-        quotas.check_job(ANNA, running=1, cases=10)
-    error = refusal(quotas.check_job, ANNA, running=0, cases=10)
+        quotas.check_job(ANNA, [None], cases=10)
+    error = refusal(quotas.check_job, ANNA, [], cases=10)
     assert (error.limit, error.retry_after) == ("quota_jobs_per_day", pytest.approx(DAY / 3))
-    quotas.check_job(BERT, running=0, cases=1000)
+    quotas.check_job(BERT, [], cases=1000)
+
+
+@pytest.mark.parametrize(
+    ("ends", "seconds"),
+    [
+        ([None, None], 60.0),  # nobody can say
+        ([None, 40.0], 40.0),
+        ([90.0, 40.0], 40.0),
+        ([90.0, 40.0, 7.0], 40.0),  # of three, two must end
+        ([None, 40.0, None], 60.0),
+        ([1e6, 1e7], 3600.0),  # rates change: ask again within an hour
+    ],
+)
+def test_who_waits_for_jobs_to_end_is_told_when_the_first_will(clock, ends, seconds):
+    quotas = Quotas(QuotaLimits(running_jobs=2), clock=clock)
+    assert refusal(quotas.check_running, ANNA, ends).retry_after == seconds
+    assert refusal(quotas.check_job, ANNA, ends, cases=1).retry_after == seconds
+
+
+def test_a_job_that_no_waiting_admits_is_told_so_first(clock):
+    quotas = Quotas(QuotaLimits(running_jobs=1, jobs_per_day=1, cases_per_day=10), clock=clock)
+    quotas.check_job(ANNA, [], cases=1)
+    error = refusal(quotas.check_job, ANNA, [None], cases=11)
+    assert (error.limit, error.retry_after) == ("quota_cases_per_day", None)
 
 
 def test_a_refused_job_uses_nothing_up(clock):
     quotas = Quotas(QuotaLimits(jobs_per_day=2, cases_per_day=100), clock=clock)
     for _ in range(5):
-        error = refusal(quotas.check_job, ANNA, running=0, cases=101)
+        error = refusal(quotas.check_job, ANNA, [], cases=101)
         assert error.retry_after is None and "split it" in error.message
-    quotas.check_job(ANNA, running=0, cases=99)
-    error = refusal(quotas.check_job, ANNA, running=0, cases=2)
+    quotas.check_job(ANNA, [], cases=99)
+    error = refusal(quotas.check_job, ANNA, [], cases=2)
     assert (error.limit, error.retry_after) == ("quota_cases_per_day", pytest.approx(DAY / 100))
-    quotas.check_job(ANNA, running=0, cases=1)
+    quotas.check_job(ANNA, [], cases=1)
 
 
 def test_who_is_not_limited_never_waits(clock):
@@ -121,7 +145,7 @@ def test_who_is_not_limited_never_waits(clock):
         for _ in range(100):
             quotas.admit(who)
             quotas.spend_bytes(who, 10**12)
-            quotas.check_job(who, running=10**6, cases=10**12)
+            quotas.check_job(who, [None] * 1000, cases=10**12)
 
 
 def test_strangers_are_forgotten_but_tokens_are_not(clock):

@@ -119,11 +119,21 @@ WRITES = [
 @pytest.mark.parametrize(("method", "path", "body"), WRITES)
 def test_every_change_says_what_it_starts_from(api, one, method, path, body):
     assert_problem(api(method, one + path, body), 428, says="send If-Match with the ETag")
-    for wrong in ('"2"', '"0"', 'W/"1"', "1", '"x"', "", '"', '"99999999999999999999"', '"٣"'):
+    for unreadable in ("1", "", '"', "x", '"1" "2"', "'1'"):
+        says = "write If-Match: "
+        assert_problem(api(method, one + path, body, headers={"If-Match": unreadable}), 422, says=says)
+    for wrong in ('"2"', '"0"', 'W/"1"', '"x"', '"99999999999999999999"', '"٣"'):
         problem = assert_problem(api(method, one + path, body, headers={"If-Match": wrong.encode()}), 412)
         assert "is at revision 1" in problem["detail"]
     assert api(method, one + path, body, headers={"If-Match": '"2"'}).headers["etag"] == '"1"'
     assert len(read_json(api("GET", f"{one}/revisions"))["items"]) == 1
+
+
+def test_an_etag_without_its_quotes_is_told_how_it_is_written(api, one):
+    problem = assert_problem(api("PUT", one, preset(), headers={"If-Match": "12"}), 422)
+    (told,) = problem["errors"]
+    assert told["message"].startswith("header parameter 'If-Match': '12' is no ETag")
+    assert """-H 'If-Match: "12"'""" in told["hint"]
 
 
 @pytest.mark.parametrize("tag", ['"1"', "*", '"7", "1"', ' "1" '])

@@ -39,7 +39,7 @@ def parameter_values(name):
 
 @pytest.mark.parametrize("name", METRICS)
 def test_statistics_are_numpys_of_the_cases_that_went_well(tmp_path, name):
-    told = summarize(made_up(tmp_path))["metrics"][name]
+    told = summarize(made_up(tmp_path), drawn=True)["metrics"][name]
     values = metric_values(name)
     values = values[~np.isnan(values)]
     assert told["count"] == len(values) and told["missing"] == 100 - len(values)
@@ -52,6 +52,16 @@ def test_statistics_are_numpys_of_the_cases_that_went_well(tmp_path, name):
     assert told["interval"] == {
         "of": "mean", "low": interval.low, "high": interval.high, "method": "bootstrap", "confidence": 0.95,
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("most", [summary.MOST_VALUES, 80])
+def test_only_means_of_independent_draws_have_intervals(tmp_path, monkeypatch, most):
+    monkeypatch.setattr(summary, "MOST_VALUES", most)
+    results = made_up(tmp_path)
+    laid_out, drawn = summarize(results)["metrics"], summarize(results, drawn=True)["metrics"]
+    for name in METRICS:
+        assert laid_out[name]["interval"] is None and drawn[name]["interval"] is not None
+        assert laid_out[name] | {"interval": None} == drawn[name] | {"interval": None}
 
 
 def test_what_a_metric_is_comes_along(tmp_path):
@@ -117,7 +127,7 @@ def test_a_job_of_which_little_or_nothing_is_done(tmp_path):
     assert empty == {
         "cases": 0, "failed": 0, "sampled": None, "metrics": {}, "correlations": [], "failures": [], "indices": None,
     }  # fmt: skip
-    one = summarize(made_up(tmp_path, 1))["metrics"]["range"]
+    one = summarize(made_up(tmp_path, 1), drawn=True)["metrics"]["range"]
     assert one["mean"] == one["least"] == one["percentiles"]["5"] == ROWS[0].metrics[0]
     assert one["sd"] is None and one["interval"] is None
     failed = summarize(made_up(tmp_path, 100, without=set(range(1, 13)), counted=100))["metrics"]["range"]
@@ -234,7 +244,7 @@ def test_of_very_many_cases_a_part_is_held_and_that_is_told(tmp_path, monkeypatc
     rows = [CaseRow(k, "completed", None, [v], [2.0 * v]) for k, v in enumerate(values.tolist())]
     results = write_chunks(tmp_path, rows, size=5000, columns=columns)
     monkeypatch.setattr(summary, "MOST_VALUES", 2 * 2000)
-    told = summarize(results)
+    told = summarize(results, drawn=True)
     # 2,000 are wanted, each case is taken by chance
     assert told["sampled"] == pytest.approx(2000, abs=5 * 2000**0.5)
     metric = told["metrics"]["m"]
@@ -245,7 +255,7 @@ def test_of_very_many_cases_a_part_is_held_and_that_is_told(tmp_path, monkeypatc
     # the median of n normal values has the standard error 1.25 sd / sqrt(n)
     assert metric["percentiles"]["50"] == pytest.approx(0.0, abs=4 * 1.25 * 2.0 / 2000**0.5)
     assert told["correlations"][0]["pearson"] == pytest.approx(1.0, abs=1e-12)
-    assert told == summarize(results)
+    assert told == summarize(results, drawn=True)
 
 
 # what is kept
@@ -256,7 +266,7 @@ def test_a_summary_is_kept_until_a_chunk_changes(tmp_path, monkeypatch):
     first = summarize(results, keep=True)
     assert (results.files.folder / "summary.json").exists()
     computed = []
-    monkeypatch.setattr(summary, "_summary", lambda *_: computed.append(1) or {"new": True})
+    monkeypatch.setattr(summary, "_summary", lambda *_, **__: computed.append(1) or {"new": True})
     assert summarize(results, keep=True) == first and not computed
     content = results.files.path(3).read_bytes()
     results.files.write(3, ChunkResult(content, None, 8, 0.0, "kernel", "processor"))

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import fields
 from pathlib import Path
 
 import h5netcdf
@@ -17,6 +18,7 @@ import pyarrow.parquet as pq
 import pytest
 from scipy.io import loadmat
 
+from models.design import parse_design
 from models.presets import load_preset
 from server.jobs import engines
 from server.jobs.engines import SerialEngine
@@ -77,7 +79,22 @@ def test_it_gives_the_numbers_of_a_server_in_every_format(folder, capsys):
     summary = json.loads(Path("out/summary.json").read_text())
     assert summary["metrics"]["range"]["count"] == 5
     assert "cases       5 of 5 cases" in told.out and "metric      range: mean" in told.out
-    assert all(f"written     out/cases.{name}\n" in told.out for name in FORMATS)
+    assert all(f"written     out/cases.{ending}\n" in told.out for ending in ("csv", "parquet", "nc", "mat", "json"))
+    about = {name.decode(): text.decode() for name, text in pq.read_schema("out/cases.parquet").metadata.items()}
+    assert json.loads(about["batch_document"])["kind"] == "sweep"
+    assert json.loads(about["design"])["identity"] == parse_design(glider()).identity
+    assert set(json.loads(about["engine"])) == {"version", "kernel", "processors"}
+
+
+def test_a_format_is_known_by_its_name_and_by_its_ending(folder):
+    assert run(sweep(2), "-o", "out", "--format", "netcdf", "--format", "nc") == DONE
+    assert sorted(path.name for path in Path("out").glob("cases.*")) == ["cases.nc"]
+
+
+def test_settings_that_are_none_are_told(folder, monkeypatch, capsys):
+    monkeypatch.setenv("GLIDER_STUDIO_MAX_CASE", "3")
+    assert run(sweep(2), "--dry-run") == DONE
+    assert "GLIDER_STUDIO_MAX_CASE is no setting" in capsys.readouterr().err
     assert not list(folder.rglob("*.part")) and not list(folder.rglob("download-*"))
 
 
@@ -297,7 +314,7 @@ def smaller(document):
 
 
 def a_job(**values):
-    return Job(**dict.fromkeys(Job.__slots__) | {"cases": 100, "done": 20, "failed": 0} | values)
+    return Job(**dict.fromkeys(field.name for field in fields(Job)) | {"cases": 100, "done": 20, "failed": 0} | values)
 
 
 def test_progress_in_words():

@@ -18,7 +18,9 @@ import httpx
 import pytest
 
 from models.presets import load_preset
+from studio import serve
 from studio.exit_codes import DONE
+from tests.server.job_support import slow_sweep
 
 SOON = 10.0
 """Seconds within which a stop is over, of a machine that does other work too; alone it takes one."""
@@ -86,6 +88,32 @@ def test_a_stop_ends_a_preview_and_an_event_stream(kernel, tmp_path, sig):
     assert {item["level"] for item in lines} == {"INFO"}, log
     (line,) = [item for item in lines if item.get("route") == "/api/v1/simulations:preview"]
     assert line["request_id"] == answers[0].headers["x-request-id"]
+
+
+def test_a_start_tells_settings_that_are_none_and_a_stop_what_is_kept(kernel, tmp_path):
+    with (
+        program(tmp_path, prot="8001", workers="1") as (process, url),
+        httpx.Client(base_url=url, trust_env=False) as client,
+    ):
+        answer = client.post("/api/v1/jobs", json=slow_sweep(5000), timeout=60.0)
+        assert answer.status_code == 202, answer.text
+        code, log, _ = stopped(process, signal.SIGTERM)
+    assert code == DONE
+    assert "GLIDER_STUDIO_PROT is no setting, and nothing reads it: did you mean GLIDER_STUDIO_PORT?" in log
+    assert "stopping, asked by SIGTERM" in log
+    assert "stopped; unfinished jobs that are kept for the next start: 1" in log
+
+
+def test_only_a_start_that_compiles_says_so(monkeypatch, tmp_path, capsys):
+    done = tmp_path / "done"
+    monkeypatch.setattr(serve, "SIMULATION_DONE", done)
+    monkeypatch.setattr(serve, "warm_kernel", done.touch)
+    monkeypatch.setattr(serve, "_settle", lambda: None)
+    serve._prepare_kernel()
+    first = capsys.readouterr().out
+    assert "the first start on a machine compiles it" in first and "The physics is ready." in first
+    serve._prepare_kernel()
+    assert capsys.readouterr().out == "The physics is ready.\n"
 
 
 def test_a_token_in_an_address_is_not_in_the_log(kernel, tmp_path):

@@ -295,6 +295,27 @@ def test_a_document_that_cannot_be_simulated_is_told_with_its_reasons(
     assert "/mission/control/schedules/0" in answer.text
 
 
+def test_a_case_that_was_refused_leads_back_to_its_job(web: httpx.Client, jobs: Jobs, dual_bellows: Design) -> None:
+    command = {"name": "command", "pointer": "/mission/control/schedules/0/points/0/extension"}
+    method = {"kind": "cases", "parameters": [command], "rows": [[0.0], [0.5]]}
+    document = {"format": "glider-batch", "version": 1, "kind": "sweep", "name": "Too far", "method": method}
+    job, _ = jobs.submit(document | {"design": dual_bellows.model_dump(mode="json")})
+    answer = web.post(f"/d?run={job.id}.1")
+    assert answer.status_code == 422
+    assert "Case 1 cannot be opened" in answer.text and "outside its stops" in answer.text
+    assert f'href="./jobs/{job.id}"' in answer.text
+    below = web.post(f"/d/nothing?run={job.id}.1")
+    assert below.status_code == 422 and f'href="../jobs/{job.id}"' in below.text
+
+
+def test_a_link_to_a_case_leads_to_its_job_or_to_all_jobs(web: httpx.Client, jobs: Jobs, dual_bellows: Design) -> None:
+    run = case_link(jobs, dual_bellows, 2)
+    assert f'href="./jobs/{run.split(".")[0]}"' in web.get(f"/d?run={run}").text
+    for run in ("0" * 26 + ".0", "1"):
+        assert 'href="./jobs"' in web.get(f"/d?run={run}").text
+    assert "/jobs" not in web.get("/d/nothing").text
+
+
 def test_a_deleted_design_is_restored_from_its_page(
     web: httpx.Client, store: DesignStore, dual_bellows: Design
 ) -> None:
