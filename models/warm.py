@@ -43,7 +43,7 @@ def kernel_is_ready() -> bool:
 
 
 def analyses_are_ready() -> bool:
-    """Whether what analyses is compiled, or in its cache, so that using it holds nobody up."""
+    """Whether what analyses is compiled (or loaded from its cache) in this process."""
     return _analyses_ready.is_set()
 
 
@@ -58,7 +58,7 @@ def warm_kernel() -> None:
 
 
 def warm_analyses() -> None:
-    """Compile what analyses, after what simulates; returns once it is in the cache. Safe to call from any thread."""
+    """Compile or load what analyses, after what simulates; returns once it is ready. Safe to call from any thread."""
     if _analyses_ready.is_set():
         return
     warm_kernel()
@@ -66,6 +66,8 @@ def warm_analyses() -> None:
         if not _analyses_ready.is_set():
             if not ANALYSES_DONE.exists() and _compiles():
                 _elsewhere("compile_analyses_here")
+            if _compiles():
+                compile_analyses_here()  # from its cache: else the first trim would hold everybody up for a second
             _analyses_ready.set()
 
 
@@ -119,11 +121,13 @@ def compile_analyses_here() -> None:
     from models.linearize import linearize
     from models.operating_point import point_of
     from models.targeted_trim import TrimFailure, trim_for
+    from models.trim import find_trims
 
     for preset_id in PRESETS:
         design = load_preset(preset_id)
         cells = effectiveness(design)
         allocate(cells, (0.0, 0.0, 0.0))
+        find_trims(design)
         found = trim_for(design, {"glide_angle": -0.5}, cells.cells)
         if not isinstance(found, TrimFailure):
             linearize(design, point_of(found))

@@ -40,13 +40,16 @@ export const getState = () => call("GET", "state");
 export const getPolar = () => call("GET", "polar");
 export const saveDesign = (request) => call("POST", "save", request);
 export const listDesigns = (query) => call("GET", `api/v1/designs?${new URLSearchParams(query)}`);
-export const edit = (patch) => call("POST", "edit", { patch });
+// Edits of one gesture (a drag) are one step of undo, however long it lasts.
+export const edit = (patch, gesture) => call("POST", "edit", { patch, gesture });
 export const undo = () => call("POST", "undo");
 export const redo = () => call("POST", "redo");
 export const openDesign = (text) => call("PUT", "design", text);
 export const trimBallast = () => call("POST", "trim-ballast");
 export const setCamera = (view, covered) => call("POST", "camera", { view, covered });
 export const postClock = (t) => call("POST", "clock", { t });
+export const postShown = (wxyz) => call("POST", "shown", { wxyz });
+export const showInScene = (choices) => call("POST", "display", choices);
 export const selectComponent = (component) => call("POST", "select", { component });
 
 // A JSON file is checked here first: a message about this file is better than one about a request.

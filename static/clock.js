@@ -1,6 +1,7 @@
-// The one clock of the page: everything that moves follows it.
+// The one clock of the page: everything that moves follows it. A range, where one is set, is what is played.
 
 const PATIENCE = 24; // ms
+const SAME = 1e-9; // s
 
 export class Clock {
   constructor() {
@@ -8,6 +9,7 @@ export class Clock {
     this.end = 0;
     this.speed = 1;
     this.loop = false;
+    this.range = null; // {from, to}, or null for the whole run
     this.playing = false;
     this.listeners = [];
     this.last = 0;
@@ -25,9 +27,15 @@ export class Clock {
     for (const listener of this.listeners) listener(this);
   }
 
+  // What playing goes through: the range, or all of the run.
+  get played() {
+    return this.range ?? { from: 0, to: this.end };
+  }
+
   setEnd(end) {
     this.end = end;
     this.t = Math.min(this.t, end);
+    if (this.range) this.range = this.within(this.range);
     if (end <= 0) this.playing = false;
     this.tell();
   }
@@ -35,6 +43,13 @@ export class Clock {
   seek(t) {
     this.t = Math.min(Math.max(t, 0), this.end);
     this.tell();
+  }
+
+  // To the next or the last of some moments, standing still there.
+  step(moments, direction) {
+    this.playing = false;
+    const next = direction > 0 ? moments.find((t) => t > this.t + SAME) : moments.findLast((t) => t < this.t - SAME);
+    this.seek(next ?? (direction > 0 ? this.end : 0));
   }
 
   setSpeed(speed) {
@@ -47,9 +62,33 @@ export class Clock {
     this.tell();
   }
 
+  // The whole run is no range.
+  setRange(range) {
+    this.range = range && this.within(range);
+    this.tell();
+  }
+
+  within({ from, to }) {
+    const cut = { from: Math.max(from, 0), to: Math.min(to, this.end) };
+    if (cut.to - cut.from < SAME || (cut.from < SAME && cut.to > this.end - SAME)) return null;
+    return cut;
+  }
+
+  // A new beginning behind the old end takes all that follows, and the other way round.
+  setIn(t = this.t) {
+    const { to } = this.played;
+    this.setRange({ from: t, to: to > t + SAME ? to : this.end });
+  }
+
+  setOut(t = this.t) {
+    const { from } = this.played;
+    this.setRange({ from: from < t - SAME ? from : 0, to: t });
+  }
+
   play() {
     if (this.playing || this.end <= 0) return;
-    if (this.t >= this.end - 1e-9) this.t = 0;
+    const { from, to } = this.played;
+    if (this.t < from || this.t >= to - SAME) this.t = from;
     this.playing = true;
     this.last = performance.now();
     this.tell();
@@ -80,11 +119,12 @@ export class Clock {
     const now = performance.now();
     const passed = Math.min(now - this.last, 250) / 1000;
     this.last = now;
+    const { from, to } = this.played;
     let t = this.t + passed * this.speed;
-    if (t >= this.end) {
-      if (this.loop) t %= this.end;
+    if (t >= to) {
+      if (this.loop) t = from + ((t - from) % (to - from));
       else {
-        t = this.end;
+        t = to;
         this.playing = false;
       }
     }

@@ -3,6 +3,12 @@
 import { readDesignFile } from "./api.js";
 import { $, setText } from "./dom.js";
 import { clockTime } from "./format.js";
+import { describeKey, onKey, openKeys } from "./keys.js";
+import { connectMenu } from "./menu.js";
+import { focusField } from "./parts.js";
+import { connectTheme } from "./theme.js";
+
+const SOLVER = "/mission/solver/model"; // where the solver's fields begin
 
 function savedText(origin) {
   if (origin?.kind !== "stored") return "Not saved";
@@ -31,40 +37,53 @@ function showOrigin(state) {
 
 function show({ state, busy }) {
   if (!state) return;
-  setText($("name"), state.name);
-  $("name").title = state.name;
+  setText($("rename"), state.name);
+  $("rename").title = `${state.name}. Click to rename`;
   showOrigin(state);
-  setText($("hydrodynamics"), state.hydrodynamics ?? "");
-  $("hydrodynamics").title = `Hydrodynamics: ${state.hydrodynamics}. Show the data against the law`;
-  setText($("solver"), state.solver ?? "");
-  $("solver").title = `Solver: ${state.solver}`;
+  setText($("hydrodynamics-source"), state.hydrodynamics ?? "");
+  setText($("hydrodynamics-range"), state.hydrodynamics_range ?? "");
+  $("hydrodynamics").title = `Forces: ${state.hydrodynamics}, with data for ${state.hydrodynamics_range}. Show the data against the law`;
+  const [model, ...method] = (state.solver ?? "").split(" · ");
+  setText($("solver-model"), model);
+  setText($("solver-method"), method.join(" · "));
+  $("solver").title = `Solver: ${state.solver}. Show its settings`;
   $("undo").disabled = !state.can_undo;
   $("redo").disabled = !state.can_redo;
   $("trim").disabled = busy > 0;
-  for (const id of ["export-csv", "export-nc"]) $(id).toggleAttribute("aria-disabled", !state.run);
+  for (const id of ["export-csv", "export-nc", "export-replay", "export-png"]) $(id).toggleAttribute("aria-disabled", !state.run);
 }
 
-function connectMenu(menu) {
-  const close = () => menu.removeAttribute("open");
-  document.addEventListener("pointerdown", (event) => menu.contains(event.target) || close());
-  menu.addEventListener("keydown", (event) => {
-    if (event.key !== "Escape") return;
-    close();
-    menu.querySelector("summary").focus();
-  });
-  for (const link of menu.querySelectorAll("a")) {
-    link.addEventListener("click", (event) => (link.hasAttribute("aria-disabled") ? event.preventDefault() : close()));
+// The name turns into a field where it stands; Enter or leaving it renames, Escape does not.
+function connectName({ store, actions }) {
+  const [button, field] = [$("rename"), $("rename-field")];
+  function edit() {
+    field.value = store.get("state")?.name ?? "";
+    button.hidden = true;
+    field.hidden = false;
+    field.select();
   }
+  function leave(keep) {
+    if (field.hidden) return;
+    const name = field.value.trim();
+    const hadFocus = document.activeElement === field;
+    field.hidden = true;
+    button.hidden = false;
+    if (hadFocus) button.focus();
+    if (keep && name && name !== store.get("state")?.name) actions.edit([{ op: "replace", path: "/name", value: name }]);
+  }
+  button.addEventListener("click", edit);
+  field.addEventListener("blur", () => leave(true));
+  field.addEventListener("keydown", (event) => {
+    if (event.key === "Enter") leave(true);
+    else if (event.key === "Escape") leave(false);
+  });
 }
 
 function connectKeys(actions) {
-  document.addEventListener("keydown", (event) => {
-    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
-    if (/^(INPUT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "range") return;
-    event.preventDefault();
-    if (event.shiftKey) actions.redo();
-    else actions.undo();
-  });
+  const group = "Design";
+  onKey("Ctrl+z", actions.undo, { words: "Undo", group });
+  onKey(["Ctrl+Shift+z", "Ctrl+y"], actions.redo, { words: "Redo", group });
+  describeKey("Ctrl+S", "Save", group); // handled by stored.js, in fields too
 }
 
 // What was said about a trim holds until the design changes again.
@@ -91,8 +110,12 @@ export function connectHeader({ store, actions }) {
     $("file").value = "";
     if (file) actions.open(() => readDesignFile(file));
   });
+  $("solver").addEventListener("click", () => focusField(SOLVER));
+  connectName({ store, actions });
   connectTrim({ store, actions });
   connectMenu($("export"));
   connectMenu($("link"));
+  connectTheme($("theme"));
+  $("show-keys").addEventListener("click", openKeys);
   connectKeys(actions);
 }

@@ -18,7 +18,7 @@ export async function columnsOf(id, names, number = 0) {
   const key = [id, id === CURRENT ? number : 0, ...names].join("\n");
   if (!cache.has(key)) {
     if (cache.size >= MOST_CACHED) cache.delete(cache.keys().next().value);
-    const asked = call("GET", `runs/${encodeURIComponent(id)}/columns?${new URLSearchParams({ names: names.join(",") })}`);
+    const asked = call("GET", `runs/${encodeURIComponent(id)}/columns?${new URLSearchParams(names.map((name) => ["name", name]))}`);
     cache.set(key, asked);
     asked.catch(() => cache.delete(key));
   }

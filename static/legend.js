@@ -1,23 +1,43 @@
-// The names of a plot's lines beside it, each with its key and its value at the clock.
+// The names of a plot's lines beside it, each with its key and its value at the clock and under the cursor.
 
-import { el, setText } from "./dom.js";
+import { el, setText, svg } from "./dom.js";
+
+const paint = (color) => (color.startsWith("--") ? `var(${color})` : color);
+
+// As the line is drawn: colour and dash.
+function key({ color, dash, width }) {
+  const mark = svg("line", { x1: 0, y1: 4, x2: 20, y2: 4, "stroke-width": width, "stroke-dasharray": dash.join(" ") });
+  mark.style.stroke = paint(color);
+  return svg("svg", { class: "key", viewBox: "0 0 20 8", "aria-hidden": "true" }, mark);
+}
 
 export class Legend {
-  constructor(root) {
-    this.root = root;
-    this.values = [];
+  // `menu` is the button beside the title.
+  constructor(root, menu) {
+    Object.assign(this, { root, title: el("h3", {}), values: [], cursors: [], shown: "" });
+    this.rows = el("div", { class: "legend-rows", tabindex: "0", role: "group", "aria-label": "Legend" });
+    root.append(el("div", { class: "legend-head" }, this.title, menu), this.rows);
   }
 
   // Anew only where the plot shows other lines.
   show({ title, series }) {
-    if (series === this.series) return;
-    this.series = series;
-    this.values = series.map(({ name }) => el("output", { "data-testid": `legend-${name}` }));
-    const rows = series.map(({ name, label }, i) => el("div", { class: "legend" }, el("span", {}, el("i", { class: `key ${name}` }), label), this.values[i]));
-    this.root.replaceChildren(el("h3", {}, title), ...rows);
+    setText(this.title, title);
+    this.title.title = title;
+    const shown = JSON.stringify(series.map(({ id, label, color, dash, width }) => [id, label, color, dash, width]));
+    if (shown === this.shown) return;
+    this.shown = shown;
+    this.values = series.map(({ id }) => el("output", { "data-testid": `legend-${id}` }));
+    this.cursors = series.map(({ id }) => el("output", { class: "cursor", "data-testid": `cursor-${id}` }));
+    this.rows.replaceChildren(...series.map((each, i) =>
+      el("div", { class: "legend" }, el("span", { title: each.label }, key(each), el("em", {}, each.label)), this.cursors[i], this.values[i])));
   }
 
   write(described) {
     this.values.forEach((node, i) => setText(node, described[i]?.[1] ?? ""));
+  }
+
+  writeCursor(described) {
+    // The unit stands at the clock's value, close by.
+    this.cursors.forEach((node, i) => setText(node, described?.[i]?.[1].split(" ")[0] ?? ""));
   }
 }

@@ -1,25 +1,37 @@
 // Wires the studio page: one store, one clock, and the views that follow them.
 
-import { postClock } from "./api.js";
+import { connectBookmarks } from "./bookmarks.js";
 import { Clock } from "./clock.js";
+import { connectCompare } from "./compare.js";
 import { $ } from "./dom.js";
+import { connectExports } from "./exports.js";
 import { connectHeader } from "./header.js";
+import { pressKey } from "./keys.js";
+import { connectLayout } from "./layout.js";
+import { connectModes } from "./modes.js";
 import { connectMomentLink, startAt } from "./momentlink.js";
 import { connectNotices } from "./notices.js";
+import { connectNumerics } from "./numerics.js";
 import { connectOverlays } from "./overlays.js";
+import { connectParts } from "./parts.js";
 import { connectPolar } from "./polar.js";
 import { connectReadouts } from "./readouts.js";
 import { rememberSession } from "./recent.js";
-import { bedInSight, largestForce, pathBox, positionAt, sceneAt, visibility } from "./scene.js";
+import { connectCorner } from "./scenecorner.js";
+import { connectLegend } from "./scenelegend.js";
+import { connectScene } from "./sceneshow.js";
 import { createActions, follow } from "./session.js";
 import { createStore } from "./store.js";
 import { connectSaving } from "./stored.js";
 import { Timeline } from "./timeline.js";
-import { connectTransport, pressKey } from "./transport.js";
-import { Viewer } from "./viewer.js";
+import { connectTransport } from "./transport.js";
+import { connectTrimFor } from "./trimfor.js";
 
 const store = createStore({
   state: null,
+  consequences: null,
+  warnings: [],
+  focusedWarning: null,
   connected: true,
   over: false,
   viewerLinked: true,
@@ -27,7 +39,9 @@ const store = createStore({
   awaited: 0,
   rejected: null,
   rejectedHere: false,
-  view: { follow: true, forces: true, centers: true, path: true, exaggeration: 10, camera: null },
+  bookmarks: [],
+  reference: null,
+  view: { follow: true, forces: true, moments: false, centers: true, path: true, exaggeration: 10, offset: 50, camera: null, ghost: null },
 });
 const clock = new Clock();
 
@@ -37,60 +51,34 @@ if (dpr > 0) $("view").src = `view/?fixedDpr=${dpr}`;
 
 const actions = createActions(store);
 
-// Without a run there is nothing to point the arrows by.
-function shown() {
-  const view = store.get("view");
-  const run = store.get("state")?.run;
-  const bed = bedInSight(store.get("state"), clock.t);
-  return { ...view, forces: view.forces && Boolean(run), spatial: run?.model === "spatial", bed };
-}
-
-const viewer = new Viewer($("view"), {
-  visibilityOf: (name) => visibility(name, shown()),
-  onDock: (left) => document.documentElement.style.setProperty("--dock", `${left}px`),
-  onLink: (viewerLinked) => store.set({ viewerLinked }),
+const viewer = connectScene({
+  store,
+  clock,
   onKey: (event) => {
     saving.press(event);
-    if (event.key === " ") pressKey(event, clock);
+    if (!event.key?.startsWith("Arrow")) pressKey(event); // arrows move the camera there
   },
-  postClock,
 });
-
-const BEACON = 0.012; // of the path's size: how large the ball that stands for the glider is in the overview
-let largest = 0;
-let anchor = null; // what the view stays on: the glider, or where it was when following was turned off
-function showScene() {
-  const state = store.get("state");
-  if (!state?.run) return;
-  const { follow: following, exaggeration, camera } = store.get("view");
-  const far = camera === "overview" && pathBox(state.run);
-  if (far && !following) anchor = far.middle;
-  else if (following || !anchor) anchor = positionAt(state.run, clock.t);
-  // Chasing means to stay behind: the view turns with the glider.
-  viewer.show(sceneAt(state, clock.t, { anchor, exaggeration, largest, turning: camera === "chase", beacon: far && BEACON * far.size }), clock.t);
-}
-
-store.watch(["state"], ({ state }) => {
-  if (!state) return;
-  largest = state.run ? largestForce(state.run.columns) : 0;
-  clock.setEnd(state.run?.columns.t.at(-1) ?? 0);
-});
-store.watch(["connected"], ({ connected }) => viewer.setOnline(connected));
-store.watch(["view"], () => {
-  showScene();
-  viewer.check();
-});
-clock.watch(showScene);
 
 connectHeader({ store, actions });
 const saving = connectSaving(store);
 connectMomentLink({ store, clock });
 startAt({ store, clock });
 const polar = connectPolar({ store, clock });
-connectNotices({ store, select: actions.select, showForces: polar.open });
-connectOverlays({ store, clock, setCamera: actions.camera });
+connectParts({ store, actions, showForces: polar.open });
+connectNotices({ store, clock, showForces: polar.open });
+connectModes({ store, clock });
+connectTrimFor({ store });
+connectNumerics({ store, showForces: polar.open });
+connectOverlays({ store, setCamera: actions.camera });
+connectLegend({ store, clock, actions });
+connectCorner({ viewer });
 connectReadouts({ store, clock });
-connectTransport(clock);
+connectTransport({ store, clock });
+connectBookmarks({ store, clock });
+connectCompare({ store });
+connectExports({ store, viewer });
+connectLayout();
 const timeline = new Timeline({ store, clock, actions });
 rememberSession(store);
 follow(store);
@@ -100,6 +88,7 @@ window.__studio = {
   clock,
   timeline,
   get state() { return store.get("state"); },
+  get consequences() { return store.get("consequences"); },
   get view() { return store.get("view"); },
   get poseUpdates() { return viewer.poseUpdates; },
 };

@@ -1,13 +1,13 @@
-// Warnings, the last rejected change, and the notes laid over the 3D view.
+// The last rejected change, where pointers into the document lead, and the notes laid over the 3D view.
 
 import { $, el, setText } from "./dom.js";
+import { focusField } from "./parts.js";
 import { problemNodes } from "./problem.js";
-
-const COMPONENT = /^\/vehicle\/components\/(\d+)/;
-
-const POINT = /^\/mission\/control\/schedules\/(\d+)\/points\/(\d+)/;
+import { connectWarnings } from "./warnings.js";
 
 const FORCES = "/vehicle/hydrodynamics";
+const COMPONENT = /^\/vehicle\/components\/(\d+)/;
+const POINT = /^\/mission\/control\/schedules\/(\d+)\/points\/(\d+)/;
 
 const linkButton = (pointer, label, onclick) => el("button", { type: "button", class: "link", title: pointer, onclick }, label);
 
@@ -19,34 +19,21 @@ function pointLink(pointer, state) {
   return linkButton(pointer, `Show ${schedule.cell}, point ${Number(k) + 1}`, () => document.querySelector(`[data-testid=${id}]`)?.focus());
 }
 
-// A pointer to a point leads to its lane, one into a component to its folder in the editor, one into the force data
-// to their dialog; any other is shown as it is.
-function pointerLink(state, { select, showForces }) {
+const wordsOf = (tokens) => tokens.join(" ").replaceAll("_", " ");
+
+// A pointer to a point leads to its lane, one into the force data to their dialog, any other to its field at the left.
+export function pointerLink(state, { showForces }) {
   return (pointer) => {
+    if (!pointer) return null;
     const point = pointLink(pointer, state);
     if (point) return point;
     if (pointer.startsWith(FORCES)) return linkButton(pointer, "Show the force data", showForces);
-    const index = COMPONENT.exec(pointer)?.[1];
-    const component = index === undefined ? null : state?.components[Number(index)];
-    if (!component) return el("span", { class: "where" }, pointer);
-    const field = pointer.split("/").slice(4).join(" ").replaceAll("_", " ");
-    return linkButton(pointer, `Show ${component.name}${field ? `: ${field}` : ""}`, () => select(component.index));
+    const component = state?.components[Number(COMPONENT.exec(pointer)?.[1])];
+    const tokens = pointer.split("/").slice(1);
+    const field = wordsOf(component ? tokens.slice(3) : tokens.slice(-1));
+    const label = component ? `Show ${component.name}${field ? `: ${field}` : ""}` : `Show ${field}`;
+    return linkButton(pointer, label, () => focusField(pointer));
   };
-}
-
-// One line until it is opened; the line holds the whole text, which only the eye sees cut.
-const warningNode = (message, more, open) =>
-  el("details", { class: "box", open }, el("summary", { title: message }, message), more);
-
-function showWarnings(state, link) {
-  const warnings = state.warnings ?? [];
-  $("warnings-panel").hidden = warnings.length === 0;
-  setText($("warnings-title"), warnings.length > 1 ? `Warnings · ${warnings.length}` : "Warnings");
-  const open = new Set([...$("warnings").querySelectorAll("details[open] summary")].map((node) => node.textContent));
-  const nodes = warnings.map(({ message, pointer }) => warningNode(message, pointer ? link(pointer) : null, open.has(message)));
-  // Anew only where they differ: a rebuilt one would lose the focus.
-  const same = nodes.length === $("warnings").children.length && nodes.every((node, i) => node.isEqualNode($("warnings").children[i]));
-  if (!same) $("warnings").replaceChildren(...nodes);
 }
 
 function showProblem(problem, state, link) {
@@ -72,12 +59,11 @@ function statusOf({ state, connected, over, busy, awaited }) {
   return busy || state.revision < awaited ? "simulating" : "ready";
 }
 
-export function connectNotices({ store, select, showForces }) {
+export function connectNotices({ store, clock, showForces }) {
   store.watch(["state", "rejected"], ({ state, rejected }) => {
-    const link = pointerLink(state, { select, showForces });
-    showProblem(rejected ?? state?.problem, state, link);
-    if (state) showWarnings(state, link);
+    showProblem(rejected ?? state?.problem, state, pointerLink(state, { showForces }));
   });
+  connectWarnings({ store, clock, link: (pointer) => pointerLink(store.get("state"), { showForces })(pointer) });
   store.watch(["state", "connected", "over", "busy", "awaited", "viewerLinked"], (values) => {
     const status = statusOf(values);
     $("status").dataset.state = status;

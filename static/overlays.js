@@ -1,50 +1,58 @@
-// What lies over the 3D view: where to look from, what to show, and the forces in the colours of their arrows.
+// What lies over the 3D view: where to look from, what to show, and how much larger than life.
 
-import { $, setText } from "./dom.js";
-import { fixed } from "./format.js";
-import { at, locate } from "./series.js";
+import { $, el } from "./dom.js";
+import { onKey } from "./keys.js";
+import { connectMenu } from "./menu.js";
 
-const TOGGLES = { "toggle-follow": "follow", "toggle-forces": "forces", "toggle-centers": "centers", "toggle-path": "path" };
+const TOGGLES = { "toggle-follow": "follow", "toggle-forces": "forces", "toggle-moments": "moments", "toggle-centers": "centers", "toggle-path": "path" };
+const SCALES = { exaggeration: "exaggeration", "offset-scale": "offset" };
 
-const FORCES = ["net_buoyancy", "lift", "drag", "side_force"];
-
-function showForces(store, clock) {
-  const run = store.get("state")?.run;
-  $("forces").hidden = !run || !store.get("view").forces;
-  if ($("forces").hidden) return;
-  $("force-side").hidden = !run.columns.side_force;
-  const place = locate(run.columns.t, clock.t);
-  for (const key of FORCES) setText($(`force-${key}`), fixed(at(run.columns[key], place), 4));
-}
-
-// How much of the scene, from its top, lies under the buttons and chips.
+// How much of the scene, from its top, lies under the buttons.
 function coveredShare() {
-  const [scene, chips] = [document.querySelector(".scene"), document.querySelector(".top-over")].map((node) => node.getBoundingClientRect());
-  return Math.min(Math.max((chips.bottom - scene.top) / scene.height, 0), 0.5);
+  const [scene, bar] = [document.querySelector(".scene"), $("scene-bar")].map((node) => node.getBoundingClientRect());
+  return Math.min(Math.max((bar.bottom - scene.top) / scene.height, 0), 0.5);
 }
 
-export function connectOverlays({ store, clock, setCamera }) {
+export function connectOverlays({ store, setCamera }) {
   const change = (part) => store.set({ view: { ...store.get("view"), ...part } });
+  const cameras = [...document.querySelectorAll("[data-camera]")];
+  connectMenu($("display"));
+
+  function look(camera) {
+    // The overview holds the path still; a view of the glider itself goes with it again.
+    const before = store.get("view");
+    const follow = camera === "overview" ? false : before.camera === "overview" || before.follow;
+    change({ camera, follow });
+    setCamera(camera, coveredShare());
+  }
+
   for (const [id, key] of Object.entries(TOGGLES)) {
     $(id).addEventListener("click", () => change({ [key]: !store.get("view")[key] }));
   }
-  $("exaggeration").addEventListener("change", () => change({ exaggeration: Number($("exaggeration").value) }));
-  for (const button of document.querySelectorAll("[data-camera]")) {
-    button.addEventListener("click", () => {
-      // The overview holds the path still; a view of the glider itself goes with it again.
-      const before = store.get("view");
-      const { camera } = button.dataset;
-      const follow = camera === "overview" ? false : before.camera === "overview" || before.follow;
-      change({ camera, follow });
-      setCamera(camera, coveredShare());
-    });
+  for (const [id, key] of Object.entries(SCALES)) {
+    $(id).addEventListener("change", () => change({ [key]: Number($(id).value) }));
   }
-  clock.watch(() => showForces(store, clock));
-  store.watch(["view", "state"], () => showForces(store, clock));
+  $("ghost").addEventListener("change", () => {
+    const ghost = $("ghost").value || null;
+    store.set({ reference: ghost, view: { ...store.get("view"), ghost } });
+  });
+  cameras.forEach((button, k) => {
+    button.addEventListener("click", () => look(button.dataset.camera));
+    button.title = `${button.title || `From the ${button.dataset.camera}`} (${k + 1})`;
+    onKey(String(k + 1), () => look(button.dataset.camera), { words: `Look: ${button.textContent.toLowerCase()}`, group: "View" });
+  });
+  onKey("f", () => $("toggle-follow").click(), { words: "Follow the glider, or stay", group: "View" });
+
   store.watch(["view"], ({ view }) => {
     for (const [id, key] of Object.entries(TOGGLES)) $(id).setAttribute("aria-pressed", String(view[key]));
-    for (const button of document.querySelectorAll("[data-camera]")) {
-      button.setAttribute("aria-pressed", String(button.dataset.camera === view.camera));
-    }
+    for (const [id, key] of Object.entries(SCALES)) $(id).value = String(view[key]);
+    for (const button of cameras) button.setAttribute("aria-pressed", String(button.dataset.camera === (view.camera ?? "side")));
+  });
+  store.watch(["view", "state"], ({ view, state }) => {
+    const kept = state?.kept ?? [];
+    $("ghost").replaceChildren(el("option", { value: "" }, kept.length ? "None" : "None: keep a glide first"),
+      ...kept.map(({ id, name }) => el("option", { value: id }, name)));
+    $("ghost").value = kept.some(({ id }) => id === view.ghost) ? view.ghost : "";
+    $("ghost").disabled = kept.length === 0;
   });
 }

@@ -2,8 +2,9 @@
 
 import { $, setText } from "./dom.js";
 import { clockText, fixed } from "./format.js";
+import { columnsOf } from "./keptruns.js";
 import { PATH_VIEWS } from "./pathviews.js";
-import { cssColor, line, prepare, sayEmpty } from "./plots.js";
+import { cssColor, line, prepare, sayEmpty } from "./plotcanvas.js";
 import { at, extent, locate } from "./series.js";
 import { niceStep, ticks } from "./timescale.js";
 
@@ -16,8 +17,9 @@ function stretchOf(room) {
 }
 
 export class PathPlot {
-  constructor(box, { onSeek }) {
-    this.box = box;
+  // `keptOf` answers the kept runs to lay over, in their colours.
+  constructor(box, { onSeek, keptOf }) {
+    Object.assign(this, { box, keptOf, ways: new Map() });
     this.canvas = box.querySelector("canvas");
     this.marker = box.querySelector(".glider-marker");
     this.tip = box.querySelector(".tip");
@@ -43,6 +45,28 @@ export class PathPlot {
     this.showTime(this.t ?? 0);
   }
 
+  // Kept runs' ways as far as they have come; the others are asked for, once each and view.
+  keptWays() {
+    const { across, along } = this.view;
+    return this.keptOf().flatMap((kept) => {
+      const key = `${kept.id} ${across} ${along}`;
+      if (!this.ways.has(key)) this.fetchWay(kept.id, [across, along], key);
+      const columns = this.ways.get(key)?.columns;
+      return columns?.[across] && columns[along] ? [{ across: columns[across], along: columns[along], color: cssColor(`--kept-${kept.place + 1}`) }] : [];
+    });
+  }
+
+  async fetchWay(id, names, key) {
+    this.ways.set(key, null);
+    try {
+      this.ways.set(key, await columnsOf(id, names));
+      this.draw();
+      this.showTime(this.t ?? 0);
+    } catch {
+      this.ways.delete(key); // forgotten meanwhile
+    }
+  }
+
   column(side) {
     return this.run.columns[this.view[side]];
   }
@@ -50,8 +74,8 @@ export class PathPlot {
   // One scale for both axes if it can be, the path in the middle of what is left over.
   fit(width, height) {
     const { sign } = this.view;
-    const [x0, x1] = extent(this.run ? this.column("across") : [0, 1]);
-    const [z0, z1] = extent(this.run ? this.column("along") : [0, 1]);
+    const [x0, x1] = extent(this.run ? [this.column("across"), ...this.kept.map((way) => way.across)].flatMap(extent) : [0, 1]);
+    const [z0, z1] = extent(this.run ? [this.column("along"), ...this.kept.map((way) => way.along)].flatMap(extent) : [0, 1]);
     const inner = [width - PAD.left - PAD.right, height - PAD.top - PAD.bottom];
     const most = [inner[0] / Math.max((x1 - x0) * 1.1, 0.05), inner[1] / Math.max((z1 - z0) * 1.1, 0.05)];
     const perMetre = Math.min(...most);
@@ -69,17 +93,24 @@ export class PathPlot {
   draw() {
     const { clientWidth: width, clientHeight: height } = this.box;
     const context = prepare(this.canvas, width, height);
+    this.kept = this.run ? this.keptWays() : [];
     this.fit(width, height);
     this.drawGrid(context, width);
     this.marker.toggleAttribute("hidden", !this.run);
     if (!this.run) return;
-    const [across, along] = [this.column("across"), this.column("along")];
-    context.strokeStyle = cssColor("--depth");
-    context.lineWidth = 2;
     context.lineJoin = "round";
+    for (const way of this.kept) this.drawWay(context, { ...way, width: 1.4, dash: [6, 3] });
+    this.drawWay(context, { across: this.column("across"), along: this.column("along"), color: cssColor("--depth"), width: 2, dash: [] });
+  }
+
+  drawWay(context, { across, along, color, width, dash }) {
+    context.strokeStyle = color;
+    context.lineWidth = width;
+    context.setLineDash(dash);
     context.beginPath();
     for (let i = 0; i < across.length; i += 1) context.lineTo(this.px(across[i]), this.pz(along[i]));
     context.stroke();
+    context.setLineDash([]);
   }
 
   drawGrid(context, width) {

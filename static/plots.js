@@ -1,208 +1,201 @@
-// Time plots on canvas: drawn once per run, size or theme; what moves is laid over them.
+// A plot over time on canvas: drawn once per run, size, window or scheme; what moves is laid over it.
 
 import { NONE, fixed } from "./format.js";
-import { PLOTS } from "./plotseries.js";
-import { extent, locate } from "./series.js";
-import { ticks, timeTicks } from "./timescale.js";
+import { axesOf } from "./plotaxis.js";
+import { cssColor, hatch, line, prepare, sayEmpty } from "./plotcanvas.js";
+import { locate, within } from "./series.js";
+import { timeTicks } from "./timescale.js";
 
-const FONT = '11px -apple-system, BlinkMacSystemFont, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif';
+const TOP = 5;
+const BOTTOM = 4;
+const KEPT_WIDTH = 1.3;
+const OUTSIDE = 0.17; // how strong the hatch is: seen, and no hindrance to reading
 
-// Sizes the backing store to the screen's pixels; returns a context that draws in CSS pixels.
-export function prepare(canvas, width, height) {
-  const ratio = window.devicePixelRatio || 1;
-  canvas.width = Math.round(width * ratio);
-  canvas.height = Math.round(height * ratio);
-  canvas.style.width = `${width}px`;
-  canvas.style.height = `${height}px`;
-  const context = canvas.getContext("2d");
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  context.clearRect(0, 0, width, height);
-  context.font = FONT;
-  return context;
-}
-
-export function cssColor(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
-
-export function line(context, x1, y1, x2, y2) {
-  context.beginPath();
-  context.moveTo(x1, y1);
-  context.lineTo(x2, y2);
-  context.stroke();
-}
-
-// A plot without a run says so: an empty frame could be a fault.
-export function sayEmpty(context, x, y) {
-  context.fillStyle = cssColor("--faint");
-  context.textAlign = "center";
-  context.textBaseline = "middle";
-  context.fillText("No glide yet", x, y);
-}
+const paint = (color) => (color.startsWith("--") ? cssColor(color) : color);
 
 export class TimePlot {
-  constructor(canvas, scale, kind, { axis = false } = {}) {
-    const { down, ticks: valueTicks } = PLOTS[kind];
-    Object.assign(this, { canvas, scale, kind, down, valueTicks, axis, run: null });
-    this.top = 6;
-    this.bottom = axis ? 24 : 6;
-    this.setRun(null);
+  constructor(canvas, scale) {
+    Object.assign(this, { canvas, scale, series: [], axes: [], ranges: {}, run: null });
   }
 
-  setRun(run, model = "planar") {
-    this.run = run;
-    Object.assign(this, PLOTS[this.kind][run?.model ?? model]);
+  // `series`: looks with their curves {t, values} and `kept` [{t, values, color, name}]; what has no axis is not drawn.
+  show(series, { ranges, run }) {
+    this.axes = axesOf(series);
+    this.series = series.filter((s) => this.axes.some((axis) => axis.series.includes(s)));
+    Object.assign(this, { ranges, run });
   }
 
-  limits(series) {
-    let low = Infinity;
-    let high = -Infinity;
-    for (const { key, convert } of series) {
-      const [a, b] = extent(this.run?.columns[key] ?? []);
-      low = Math.min(low, convert(a));
-      high = Math.max(high, convert(b));
-    }
-    if (series.some(({ right }) => right)) {
-      const room = Math.max((high - low) * 0.06, 5);
-      return [low - room, high + room];
-    }
-    if (this.kind === "angles") return [Math.min(low, 0) - 2, Math.max(high, 0) + 2];
-    const pad = Math.max((high - low) * 0.08, 0.01);
-    return [low - pad, high + pad];
+  get title() {
+    const [left, right] = this.axes;
+    if (!left) return "";
+    const names = left.series.length > 1 && left.symbol === "°" ? "Angles" : left.series.map((s) => s.label).join(" · ");
+    const unit = left.symbol ? ` (${left.symbol})` : "";
+    if (!right) return names + unit;
+    const other = right.series.length === 1 ? right.series[0].label.toLowerCase() : right.symbol || "1";
+    return `${names}${unit}, ${other} at right`;
   }
 
   draw() {
     const height = this.canvas.parentElement.clientHeight;
-    const { width } = this.scale;
-    const context = prepare(this.canvas, width, height);
-    const inner = height - this.top - this.bottom;
-    const right = this.series.filter((s) => s.right);
-    const [low, high] = this.limits(this.series.filter((s) => !s.right));
-    this.y = (v) => this.top + (this.down ? v - low : high - v) * (inner / (high - low));
-    this.drawGrid(context, low, high, inner);
-    if (!this.run) return sayEmpty(context, this.scale.x(this.scale.end / 2), this.top + inner / 2);
-    if (right.length) this.setRightAxis(right, inner);
+    const context = prepare(this.canvas, this.scale.width, height);
+    const inner = Math.max(height - TOP - BOTTOM, 1);
+    for (const axis of this.axes) {
+      axis.fit(this.ranges[axis.right ? "right" : "left"], this.scale);
+      axis.place(TOP, inner);
+    }
+    this.drawGrid(context, inner);
+    const middle = [(this.scale.left + this.scale.right) / 2, TOP + inner / 2];
+    if (!this.run) return sayEmpty(context, ...middle);
+    if (!this.series.length) return sayEmpty(context, ...middle, "Nothing chosen: ⋯ at the left has the outputs");
     context.save();
     context.beginPath();
-    context.rect(this.scale.x(0), 0, this.scale.span, this.top + inner);
+    context.rect(this.scale.left, 0, this.scale.span, TOP + inner);
     context.clip();
-    for (const series of [...this.series].reverse()) this.drawSeries(context, series);
-    context.restore();
-    if (right.length) this.drawRightAxis(context, right, inner);
+    this.drawOutside(context, inner);
+    this.drawCurves(context);
     this.drawEvents(context, inner);
+    context.restore();
+    if (this.axes[1]) this.drawRightAxis(context, this.axes[1], inner);
+    return undefined;
   }
 
-  setRightAxis(series, inner) {
-    const [low, high] = this.limits(series);
-    this.yRight = (v) => this.top + (high - v) * (inner / (high - low));
-    this.rightTicks = ticks(low, high, 3);
-  }
-
-  // Its numbers stand inside the plot, in the colour of its line and over all lines.
-  drawRightAxis(context, series, inner) {
-    const x = this.scale.x(this.scale.end) - 5;
-    context.textAlign = "right";
-    context.textBaseline = "middle";
-    for (const v of this.rightTicks.values) {
-      const text = fixed(v, this.rightTicks.digits);
-      const y = Math.min(Math.max(this.yRight(v), this.top + 7), this.top + inner - 7);
-      const { width } = context.measureText(text);
-      context.fillStyle = cssColor("--plot-bg");
-      context.fillRect(x - width - 3, y - 7, width + 6, 14);
-      context.fillStyle = cssColor(`--${series[0].name}`);
-      context.fillText(text, x, y);
-    }
-  }
-
-  drawGrid(context, low, high, inner) {
+  drawGrid(context, inner) {
     const { scale } = this;
-    const [left, right, foot] = [scale.x(0), scale.x(scale.end), this.top + inner];
+    const foot = TOP + inner;
     context.fillStyle = cssColor("--plot-bg");
-    context.fillRect(left, this.top, scale.span, inner);
+    context.fillRect(scale.left, TOP, scale.span, inner);
     context.strokeStyle = cssColor("--grid");
     context.fillStyle = cssColor("--faint");
     context.lineWidth = 1;
-    const vertical = this.run ? this.valueTicks(low, high, inner > 80 ? 4 : 3) : { values: [] };
     context.textAlign = "right";
     context.textBaseline = "middle";
-    for (const v of vertical.values) {
-      line(context, left, this.y(v), right, this.y(v));
-      context.fillText(fixed(v, vertical.digits), left - 6, Math.min(Math.max(this.y(v), this.top + 5), foot - 4));
+    const [left] = this.run ? this.axes : [];
+    for (const { v, y } of left?.ticks ?? []) {
+      line(context, scale.left, y, scale.right, y);
+      context.fillText(fixed(v, left.digits), scale.left - 6, Math.min(Math.max(y, TOP + 5), foot - 4));
     }
-    const times = timeTicks(scale.end, scale.span / 75);
-    for (const t of times.values) line(context, scale.x(t), this.top, scale.x(t), foot);
-    if (this.axis) this.drawTimes(context, times, foot);
+    for (const t of timeTicks(scale, scale.span / 75).values) line(context, scale.x(t), TOP, scale.x(t), foot);
     this.shadeBeyondEnd(context, inner);
-  }
-
-  drawTimes(context, times, foot) {
-    context.textAlign = "center";
-    context.textBaseline = "top";
-    for (const t of times.values) context.fillText(fixed(t / times.per, times.digits), this.scale.x(t), foot + 6);
-    context.textAlign = "right";
-    context.fillText(times.per === 1 ? "t (s)" : times.symbol, this.scale.x(0) - 12, foot + 6);
   }
 
   // A run may end before the mission does (surface, bed): the rest is visibly not computed.
   shadeBeyondEnd(context, inner) {
     const end = this.run?.columns.t.at(-1) ?? 0;
-    if (!this.run || end >= this.scale.end - 1e-6) return;
+    if (!this.run || end >= this.scale.to - 1e-6) return;
+    const x = Math.max(this.scale.x(end), this.scale.left);
     context.fillStyle = cssColor("--panel");
     context.globalAlpha = 0.75;
-    context.fillRect(this.scale.x(end), this.top, this.scale.x(this.scale.end) - this.scale.x(end), inner);
+    context.fillRect(x, TOP, this.scale.right - x, inner);
     context.globalAlpha = 1;
   }
 
-  drawSeries(context, { key, name, convert, width, dash, wraps, right }) {
-    const { t } = this.run.columns;
-    const y = right ? this.yRight : this.y;
-    const values = this.run.columns[key];
-    if (!values) return;
-    context.strokeStyle = cssColor(`--${name}`);
-    context.lineWidth = width;
-    context.lineJoin = "round";
-    context.setLineDash(dash);
-    context.beginPath();
-    let pen = false;
-    for (let i = 0; i < t.length; i += 1) {
-      const turned = i > 0 && wraps && Math.abs(values[i] - values[i - 1]) > Math.PI;
-      if (pen && !turned) context.lineTo(this.scale.x(t[i]), y(convert(values[i])));
-      else context.moveTo(this.scale.x(t[i]), y(convert(values[i])));
-      pen = true;
+  // Samples that left the data which the forces come from: their curves are drawn, on hatched ground.
+  drawOutside(context, inner) {
+    const color = cssColor("--warn");
+    context.globalAlpha = OUTSIDE;
+    for (const [a, b] of this.outsideStretches()) {
+      const x = this.scale.x(a);
+      hatch(context, { x, y: TOP, width: Math.max(this.scale.x(b) - x, 1), height: inner, color });
     }
-    context.stroke();
+    context.globalAlpha = 1;
+  }
+
+  // One hatch where several things are outside at once.
+  outsideStretches() {
+    const spans = (this.run.outside ?? []).flatMap((o) => o.spans).filter(([a, b]) => b >= this.scale.from && a <= this.scale.to).sort((a, b) => a[0] - b[0]);
+    const joined = [];
+    for (const [a, b] of spans) {
+      const last = joined.at(-1);
+      if (last && a <= last[1]) last[1] = Math.max(last[1], b);
+      else joined.push([a, b]);
+    }
+    return joined;
+  }
+
+  outsideAt(t) {
+    return (this.run?.outside ?? []).filter(({ spans }) => spans.some(([a, b]) => t >= a && t <= b));
+  }
+
+  // The first named lies on top; kept runs below all of the present one.
+  drawCurves(context) {
+    context.lineJoin = "round";
+    const curves = this.axes.flatMap((axis) => axis.series.map((series) => ({ axis, series }))).reverse();
+    for (const { axis, series } of curves) {
+      for (const kept of series.kept) this.drawCurve(context, axis, { ...series, ...kept, width: KEPT_WIDTH });
+    }
+    for (const { axis, series } of curves) this.drawCurve(context, axis, series);
     context.setLineDash([]);
   }
 
+  drawCurve(context, axis, { t, values, color, width, dash, wraps }) {
+    const [first, last] = within(t, this.scale.from, this.scale.to);
+    context.strokeStyle = paint(color);
+    context.lineWidth = width;
+    context.setLineDash(dash);
+    context.beginPath();
+    let pen = false;
+    for (let i = first; i <= last; i += 1) {
+      if (values[i] === null) {
+        pen = false;
+        continue;
+      }
+      const turned = pen && wraps && Math.abs(values[i] - values[i - 1]) > Math.PI;
+      const [x, y] = [this.scale.x(t[i]), axis.y(values[i])];
+      if (pen && !turned) context.lineTo(x, y);
+      else context.moveTo(x, y);
+      pen = true;
+    }
+    context.stroke();
+  }
+
   drawEvents(context, inner) {
-    context.fillStyle = context.strokeStyle = cssColor("--warn");
+    context.strokeStyle = cssColor("--faint");
     context.lineWidth = 1;
+    context.setLineDash([1, 3]);
     for (const { time } of this.run.events ?? []) {
-      const x = this.scale.x(time);
-      const y = this.top + inner;
-      context.globalAlpha = 0.55;
-      context.setLineDash([1, 3]);
-      line(context, x, this.top, x, y);
-      context.setLineDash([]);
-      context.globalAlpha = 1;
-      context.beginPath();
-      context.moveTo(x - 4, y);
-      context.lineTo(x, y - 6);
-      context.lineTo(x + 4, y);
-      context.fill();
+      if (this.scale.shows(time)) line(context, this.scale.x(time), TOP, this.scale.x(time), TOP + inner);
+    }
+    context.setLineDash([]);
+  }
+
+  // Its numbers stand inside the plot, in the colour of its first line and over all lines.
+  drawRightAxis(context, axis, inner) {
+    const x = this.scale.right - 5;
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    for (const { v, y } of axis.ticks) {
+      const text = fixed(v, axis.digits);
+      const at = Math.min(Math.max(y, TOP + 7), TOP + inner - 7);
+      const { width } = context.measureText(text);
+      context.fillStyle = cssColor("--plot-bg");
+      context.fillRect(x - width - 3, at - 7, width + 6, 14);
+      context.fillStyle = paint(axis.series[0].color);
+      context.fillText(text, x, at);
     }
   }
 
-  values(t) {
-    if (!this.run) return this.series.map(() => NaN);
-    const place = locate(this.run.columns.t, t);
-    return this.series.map(({ key, read }) => read(this.run.columns[key], place));
+  tell(axis, series, curve, t) {
+    const value = series.read(curve.values, locate(curve.t, t));
+    return Number.isFinite(value) ? `${axis.show(series, value)} ${axis.symbol}`.trimEnd() : NONE;
   }
 
+  axisOf(series) {
+    return this.axes.find((axis) => axis.series.includes(series));
+  }
+
+  // [label, value] of each line of the present run.
   describe(t) {
-    return this.values(t).map((v, i) => {
-      const { label, show, unit } = this.series[i];
-      return [label, Number.isFinite(v) ? `${show(v)} ${unit}` : NONE];
+    return this.series.map((series) => [series.label, this.run ? this.tell(this.axisOf(series), series, series, t) : NONE]);
+  }
+
+  // The same beside those of kept runs: a head of their names in their colours where there are any, and a row a line.
+  table(t) {
+    const runs = [...new Map(this.series.flatMap(({ kept }) => kept).map(({ name, color }) => [name, color]))];
+    const head = runs.length ? [["", "Now", ...runs.map(([name, color]) => [name, paint(color)])]] : [];
+    const rows = this.series.map((series, i) => {
+      const others = runs.map(([name]) => series.kept.find((kept) => kept.name === name));
+      return [...this.describe(t)[i], ...others.map((kept) => (kept ? this.tell(this.axisOf(series), series, kept, t) : NONE))];
     });
+    return [...head, ...rows];
   }
 }

@@ -3,10 +3,14 @@
 import { getPolar } from "./api.js";
 import { $, el, setText } from "./dom.js";
 import { NONE, clockText, fixed, scientific, toDegrees } from "./format.js";
-import { prepare } from "./plots.js";
-import { PolarPlot, drawDot, drawMarker, lawAt, mirrored } from "./polarplot.js";
+import { prepare } from "./plotcanvas.js";
+import { PolarPlot, drawDot, drawMarker, drawTrim, lawAt, mirrored } from "./polarplot.js";
 import { angleAt, locate } from "./series.js";
+import { GlidePolarView } from "./glidepolar.js";
+import { spansText } from "./held.js";
+import { onKey } from "./keys.js";
 import { problemNodes } from "./problem.js";
+import { onScheme } from "./theme.js";
 
 const NAMES = { lift: "Lift", drag: "Drag", moment: "Moment" };
 
@@ -23,12 +27,13 @@ function legendKey(draw) {
   return canvas;
 }
 
-function legend({ data, chosen, law, folds }, whole) {
+function legend({ data, chosen, law, folds }, { whole, trims }) {
   const items = data.map(({ speed }, k) => [`${speed} m/s`, legendKey((c) => drawMarker(c, k, 8, 7))]);
   if (!whole && chosen) items.push([`${chosen.what}: what the law is made from`, legendKey((c) => drawDot(c, 8, 7))]);
   const rows = items.map(([text, key]) => el("span", {}, key, text));
   rows.push(el("span", {}, el("i", { class: "key law" }), `law in use: ${law.what}`));
   rows.push(el("span", {}, el("i", { class: "key now" }), "angle of attack now"));
+  for (const { words } of trims) rows.push(el("span", { "data-testid": "polar-trim" }, legendKey((c) => drawTrim(c, 8, 7)), words));
   const rest = folds ? "angles measured; the rest by symmetry and reflection" : "angles that the data are meant for";
   if (whole) rows.push(el("span", {}, el("i", { class: "key measured" }), rest));
   return rows;
@@ -59,6 +64,8 @@ export function connectPolar({ store, clock }) {
   let revision = null;
   let pointed = null;
 
+  const glide = new GlidePolarView({ store, clock });
+  const page = () => dialog.querySelector("[name=polar-page]:checked").value;
   const whole = () => dialog.querySelector("[name=polar-range]:checked").value === "whole";
 
   function angleNow() {
@@ -80,11 +87,24 @@ export function connectPolar({ store, clock }) {
       : `At ${clockText(clock.t, clock.end)} the angle of attack is ${fixed(angle, 1)}°${folded ? `, by symmetry drawn at ${fixed(mirrored(angle, shown), 1)}°` : ""}`);
   }
 
+  // Where the steady glides of the schedule's holds lie.
+  function trimsShown() {
+    const holds = (store.get("consequences")?.holds ?? []).filter(({ trim }) => trim);
+    return holds.map(({ trim, spans }) => {
+      const attack = toDegrees(trim.angle_of_attack);
+      return { attack, words: `trim held ${spansText(spans, clock.end)}, at ${fixed(attack, 2)}°` };
+    });
+  }
+
   function draw() {
-    if (!dialog.open || !shown) return;
-    $("polar-legend").replaceChildren(...legend(shown, whole()));
+    if (!dialog.open) return;
+    if (page() === "glide") glide.load();
+    if (!shown || page() === "glide") return;
+    const trims = trimsShown();
+    $("polar-legend").replaceChildren(...legend(shown, { whole: whole(), trims }));
     for (const plot of plots) {
       plot.setRange(shown, whole());
+      plot.trims = trims;
       plot.draw();
     }
     showAngle();
@@ -116,13 +136,27 @@ export function connectPolar({ store, clock }) {
     }
   }
 
-  function open() {
+  function turn() {
+    const forces = page() === "forces";
+    $("polar-forces").hidden = !forces;
+    $("polar-glide").hidden = forces;
+    for (const id of ["polar-now", "polar-angles"]) $(id).hidden = !forces;
+    setText($("polar-title"), forces ? "Force data and law" : "Glide polar");
+    draw();
+  }
+
+  function open(at = "forces") {
+    dialog.querySelector(`[name=polar-page][value=${at}]`).checked = true;
     if (!dialog.open) dialog.showModal();
+    turn();
     if (shown) fill();
     load();
   }
 
-  $("hydrodynamics").addEventListener("click", open);
+  $("hydrodynamics").addEventListener("click", () => open());
+  $("glide-polar-open").addEventListener("click", () => open("glide"));
+  onKey("p", () => open("glide"), { words: "Glide polar", group: "View" });
+  for (const radio of dialog.querySelectorAll("[name=polar-page]")) radio.addEventListener("change", turn);
   $("polar-close").addEventListener("click", () => dialog.close());
   // A click on the backdrop is a click on the dialog element itself, outside its box.
   dialog.addEventListener("pointerdown", (event) => {
@@ -142,8 +176,9 @@ export function connectPolar({ store, clock }) {
     });
   }
   new ResizeObserver(draw).observe(dialog);
-  matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => dialog.open && shown && fill());
+  onScheme(() => dialog.open && shown && fill());
   store.watch(["state"], load);
+  store.watch(["consequences"], draw);
   clock.watch(showAngle);
-  return { open };
+  return { open: () => open() };
 }

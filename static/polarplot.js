@@ -1,7 +1,7 @@
 // One plot of the force dialog: the data of every speed, the data chosen and the law, over the angle of attack.
 
 import { fixed } from "./format.js";
-import { cssColor, line, prepare } from "./plots.js";
+import { cssColor, line, prepare } from "./plotcanvas.js";
 import { extent } from "./series.js";
 import { ticks } from "./timescale.js";
 
@@ -43,6 +43,15 @@ export function drawDot(context, x, y) {
   context.fill();
 }
 
+// A ring, so that the law and the data under it stay in sight.
+export function drawTrim(context, x, y) {
+  context.beginPath();
+  context.arc(x, y, 4.5, 0, 2 * Math.PI);
+  context.strokeStyle = cssColor("--good");
+  context.lineWidth = 2;
+  context.stroke();
+}
+
 // Every degree is given, so the value between two is read off the line that is drawn.
 export function lawAt(law, quantity, degrees) {
   const place = Math.min(Math.max(degrees - law.alpha_deg[0], 0), law.alpha_deg.length - 1);
@@ -65,6 +74,7 @@ export class PolarPlot {
     this.quantity = quantity;
     this.canvas = box.querySelector("canvas");
     this.mark = box.querySelector(".polar-mark");
+    this.trims = []; // steady glides: their angles of attack, in degrees
   }
 
   setRange(document, whole) {
@@ -98,6 +108,7 @@ export class PolarPlot {
     this.drawLaw(context);
     context.restore();
     this.drawData(context);
+    for (const { attack } of this.trims) this.markTrim(context, attack);
   }
 
   drawGrid(context, low, high) {
@@ -147,6 +158,12 @@ export class PolarPlot {
     data.forEach((series, k) => series.alpha_deg.forEach((a, i) => drawMarker(context, k, this.x(a), this.y(series[this.quantity][i]), size)));
     if (this.whole || !chosen) return; // a quarter of the width: dots would hide the markers
     chosen.alpha_deg.forEach((a, i) => drawDot(context, this.x(a), this.y(chosen[this.quantity][i])));
+  }
+
+  markTrim(context, attack) {
+    const there = this.whole ? attack : mirrored(attack, this.document);
+    if (there < this.low || there > this.high) return;
+    drawTrim(context, this.x(there), this.y(lawAt(this.document.law, this.quantity, there)));
   }
 
   // The angle under the pointer, or null beside the axes.

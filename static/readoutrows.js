@@ -1,21 +1,19 @@
-// Which numbers the right column shows, in which unit, and where each comes from.
+// Which numbers of the run and of the design the right column shows, in which unit, and where each comes from.
 
-import { compass, cubicCentimetres, degrees, fixed, grams, millimetres, scientific } from "./format.js";
+import { compass, cubicCentimetres, degrees, fixed, grams, scientific } from "./format.js";
 import { angleAt, at } from "./series.js";
 
 const now = (key, read = at) => (run, place) => read(run.columns[key], place);
 const last = (key) => ({ run }) => run?.columns[key]?.at(-1);
-const metres = (v) => fixed(v, Math.abs(v) >= 1e4 ? 0 : 3);
+export const metres = (v) => fixed(v, Math.abs(v) >= 1e4 ? 0 : 3);
 const FULL = 2 * Math.PI;
 const FARTHEST = 1e4; // metres: a wider circle is no turn that anyone could tell
-const SHORTEST = 1; // metres over ground below which energy per distance means nothing
 
 // A small vehicle is told in grams, a big one in kilograms; likewise volumes and energies.
-const mass = (v) => (v >= 10 ? [fixed(v, 3), "kg"] : [grams(v), "g"]);
-const volume = (v) => (v >= 0.01 ? [fixed(v * 1e3, 3), "dm³"] : [cubicCentimetres(v), "cm³"]);
-const energy = (v, per = "") => (Math.abs(v) >= 1e4 ? [fixed(v / 1e3, 2), `kJ${per}`] : [fixed(v, Math.abs(v) < 100 ? 2 : 1), `J${per}`]);
-const radius = (v) => (v > FARTHEST ? ["straight", ""] : [fixed(v, 2), "m"]);
-const perKilometre = (joules, metresTravelled) => (metresTravelled > SHORTEST ? (joules / metresTravelled) * 1e3 : undefined);
+export const mass = (v) => (Math.abs(v) >= 10 ? [fixed(v, 3), "kg"] : [grams(v), "g"]);
+export const volume = (v) => (Math.abs(v) >= 0.01 ? [fixed(v * 1e3, 3), "dm³"] : [cubicCentimetres(v), "cm³"]);
+export const energy = (v, per = "") => (Math.abs(v) >= 1e4 ? [fixed(v / 1e3, 2), `kJ${per}`] : [fixed(v, Math.abs(v) < 100 ? 2 : 1), `J${per}`]);
+export const radius = (v) => (Math.abs(v) > FARTHEST ? ["straight", ""] : [fixed(v, 2), "m"]);
 
 // Joules mean little on their own: the residual counts against the energy that went back and forth.
 function relativeResidual({ run }) {
@@ -42,17 +40,6 @@ export const NOW = [
   ["energy", "Energy used", "J", energy, now("battery_energy"), "spatial"],
 ];
 
-export const BALANCE = [
-  ["mass", "Mass", "g", mass, ({ mass: m }) => m.mass],
-  ["displaced-volume", "Displaced volume", "cm³", volume, ({ mass: m }) => m.displaced_volume],
-  ["start-net-buoyancy", "Net buoyancy at surface", "N", (v) => fixed(v, 4), ({ mass: m }) => m.net_buoyancy],
-  ["com-below-cob", "CoM below CoB", "mm", millimetres, ({ mass: m }) => m.com_below_cob],
-  ["com-x", "CoM x", "mm", millimetres, ({ mass: m }) => m.center_of_mass?.[0]],
-  ["com-y", "CoM y", "mm", millimetres, ({ mass: m }) => m.center_of_mass?.[1], "spatial"],
-  ["cob-x", "CoB x", "mm", millimetres, ({ mass: m }) => m.center_of_buoyancy?.[0]],
-  ["cob-y", "CoB y", "mm", millimetres, ({ mass: m }) => m.center_of_buoyancy?.[1], "spatial"],
-];
-
 export const END = [
   ["end-time", "Time", "s", (v) => fixed(v, 2), last("t")],
   ["end-x", "Distance x", "m", metres, last("x"), "planar"],
@@ -63,9 +50,6 @@ export const END = [
   ["end-pitch", "Pitch", "°", degrees, last("theta")],
   ["end-roll", "Roll", "°", degrees, last("phi"), "spatial"],
   ["end-heading", "Turned", "°", degrees, ({ run }) => run && run.columns.heading?.at(-1) - run.columns.heading?.[0], "spatial"],
-  ["end-energy", "Energy used", "J", energy, last("battery_energy"), "spatial"],
-  ["end-energy-per-km", "Energy per km", "J/km", (v) => energy(v, "/km"),
-    (state) => perKilometre(last("battery_energy")(state), last("travelled")(state)), "spatial"],
 ];
 
 export const NUMERICS = [
@@ -75,17 +59,24 @@ export const NUMERICS = [
 
 // What the label is too short to say.
 export const TITLES = {
+  pitch: "Nose above the horizon; of the run at the clock",
   flow: "Direction of motion below the horizontal, positive down",
   attack: "Angle of the flow in the vehicle's plane of symmetry: atan2(w, u)",
   sideslip: "Angle of the flow out of the vehicle's plane of symmetry: positive where it comes from starboard",
   roll: "Positive with the starboard wing down",
   heading: "From north, to the right",
+  speed: "Through the water; of the run at the clock",
+  depth: "Of the body origin below the surface",
+  distance: "Forward of the start",
+  north: "Of the start, over ground",
+  east: "Of the start, over ground",
+  "net-buoyancy": "Buoyancy less weight, up positive; of the run at the clock, where the glider is",
   "turn-rate": "About the vertical, positive to starboard",
   "turn-radius": "Of the turn through the water",
   energy: "Taken from the battery since the start: actuators and hotel load",
+  "end-time": "How long the run lasted",
   "end-travelled": "Length of the horizontal track over ground",
   "end-heading": "Change of heading since the start, full turns counted",
-  "end-energy-per-km": "Energy used by the horizontal track over ground",
-  "start-net-buoyancy": "All cells at their extension at start, in the density of the surface, fully immersed",
   "energy-residual": "Left over in the energy balance at the end, as a share of the energy exchanged during the glide",
+  elapsed: "Time the last run took on the server",
 };

@@ -1,48 +1,135 @@
 // The right column: what the design and its glide amount to, in numbers.
 
-import { $, el, setText } from "./dom.js";
-import { NONE, clockText, fixed } from "./format.js";
-import { BALANCE, END, NOW, NUMERICS, TITLES } from "./readoutrows.js";
+import { call } from "./api.js";
+import { BALANCE, ENERGY, MARGINS, TRIM, withinSource } from "./consequencerows.js";
+import { $, setText } from "./dom.js";
+import { clockText, degrees, fixed } from "./format.js";
+import { connectGroups } from "./groups.js";
+import { heldAt, spansText } from "./held.js";
+import { showReach } from "./reach.js";
+import { END, NOW, NUMERICS, TITLES } from "./readoutrows.js";
+import { fillTable, write, writeChange, writeNote } from "./readouttable.js";
 import { at, locate } from "./series.js";
 
-function fillTable(table, rows) {
-  return rows.map(([id, label, unit, show, read, model]) => {
-    const node = el("span", { class: "value", id: `readout-${id}`, "data-testid": `readout-${id}` }, NONE);
-    const unitNode = el("span", { class: "unit" }, unit);
-    const root = el("div", { title: TITLES[id] }, el("dt", {}, label), el("dd", {}, node, unitNode));
-    table.append(root);
-    return { unit, show, read, model, node, unitNode, root };
-  });
+const withTitles = (rows) => rows.map(([id, label, unit, show, read, model]) => [id, label, unit, show, read, TITLES[id], { model }]);
+
+// Why there is no trim, and what the glider does instead.
+function noTrim({ hold }) {
+  if (!hold) return "The schedule holds the cells nowhere: there is no steady glide to tell.";
+  if (hold.rest) {
+    const roll = Math.abs(hold.rest.roll) > 1e-6 ? `, roll ${degrees(hold.rest.roll)}°` : "";
+    return `No steady glide: the glider weighs what it displaces. At rest it hangs at pitch ${degrees(hold.rest.pitch)}°${roll}.`;
+  }
+  return hold.why ? `No steady glide: ${hold.why}.` : "";
 }
 
-function write({ node, unitNode, show, unit }, value) {
-  const known = value != null && Number.isFinite(value);
-  const [text, itsUnit] = [known ? show(value) : NONE].flat();
-  setText(node, text);
-  setText(unitNode, itsUnit ?? unit);
-  // The plain SI number beside the rounded text, for scripts that read the page.
-  if (known) node.dataset.value = String(value);
-  else delete node.dataset.value;
+// The kept run that others are compared with: its consequences, asked for once.
+function connectReference(store, show) {
+  const known = new Map();
+  let shown = null;
+  store.watch(["reference", "state"], async ({ reference, state }) => {
+    const kept = state?.kept?.some(({ id }) => id === reference) ? reference : null;
+    if (kept === shown) return;
+    shown = kept;
+    if (kept && !known.has(kept)) known.set(kept, await call("GET", `runs/${encodeURIComponent(kept)}/consequences`).catch(() => null));
+    if (kept === shown) show();
+  });
+  return () => known.get(shown) ?? null;
+}
+
+class Readouts {
+  constructor({ store, clock }) {
+    Object.assign(this, { store, clock, number: 0 });
+    this.now = fillTable($("now"), withTitles(NOW));
+    this.ofState = [...fillTable($("end"), withTitles(END)), ...fillTable($("numerics"), withTitles(NUMERICS))];
+    const onTime = (t) => clock.seek(t);
+    this.trim = fillTable($("trim-now"), TRIM);
+    this.held = [...this.trim, ...[["balance", BALANCE], ["margins", MARGINS], ["energy", ENERGY]].flatMap(([id, rows]) => fillTable($(id), rows, { onTime }))];
+    this.reference = connectReference(store, () => this.showHeld());
+    store.watch(["state", "consequences"], () => this.show());
+    clock.watch(() => this.showClock());
+  }
+
+  get model() {
+    const state = this.store.get("state");
+    return state?.run?.model ?? state?.model;
+  }
+
+  show() {
+    const state = this.store.get("state");
+    if (!state) return;
+    $("pane-readouts").classList.toggle("dense", this.model === "spatial");
+    for (const item of [...this.now, ...this.ofState, ...this.held]) item.root.hidden = Boolean(item.model) && item.model !== this.model;
+    for (const item of this.ofState) write(item, item.read(state), { flash: this.number > 0 && item.id !== "elapsed" });
+    setText($("end-message"), state.run?.message ?? "");
+    setText($("energy-message"), this.model === "planar" ? "The planar model keeps no account of the battery; the spatial one does." : "");
+    this.showClock();
+    this.number = this.store.get("consequences")?.run ?? 0;
+    showReach(this.store.get("consequences"), state, (t) => this.clock.seek(t));
+  }
+
+  showClock() {
+    const run = this.store.get("state")?.run;
+    const { t, end } = this.clock;
+    const place = run ? locate(run.columns.t, t) : null;
+    setText($("now-title"), `Now, at ${clockText(t, end)}`);
+    for (const item of this.now) if (!item.root.hidden) write(item, run ? item.read(run, place) : undefined);
+    setText($("scene-depth"), run ? `depth ${fixed(at(run.columns.z, place), 3)} m` : "");
+    this.showSource(run, place);
+    this.showHeld();
+  }
+
+  showSource(run, place) {
+    const consequences = this.store.get("consequences");
+    if (!consequences || !run) return;
+    const { inside, text } = withinSource(consequences, run, place);
+    setText($("source-now"), text);
+    $("source-line").classList.toggle("outside", !inside);
+  }
+
+  // Trims, balance and margins: of the hold in force at the clock.
+  showHeld() {
+    const consequences = this.store.get("consequences");
+    const [state, { t, end }] = [this.store.get("state"), this.clock];
+    if (!consequences || !state) return;
+    const found = heldAt(consequences, t);
+    const before = this.reference();
+    const flash = this.number > 0 && this.number !== consequences.run;
+    const now = { consequences, hold: found?.hold, state, t };
+    const then = before && { consequences: before, hold: heldAt(before, t)?.hold, state: null, t };
+    for (const item of this.held) {
+      if (item.root.hidden) continue;
+      const value = item.read(now);
+      write(item, value, { flash });
+      writeChange(item, value, then && !item.own ? item.read(then) : NaN);
+      writeNote(item, item.readNote?.(now), end);
+    }
+    this.showTrim(consequences, found, end);
+  }
+
+  showTrim(consequences, found, end) {
+    const trim = found?.hold.trim ?? null;
+    setText($("trim-title"), found ? `Trim, held ${spansText([found.span], end)}` : "Trim");
+    $("trim-now").hidden = !trim;
+    $("trim-missing").hidden = Boolean(trim);
+    setText($("trim-missing"), trim ? "" : consequences.analyses === "compiling" ? "The search for trims is still being compiled for this machine." : noTrim({ hold: found?.hold }));
+    const pill = $("trim-stable");
+    pill.hidden = !trim;
+    if (trim) {
+      pill.dataset.stable = String(trim.stable);
+      setText(pill, trim.stable ? "stable" : "unstable");
+    }
+    const others = found?.hold.others ?? 0;
+    const [about, left] = [found?.hold.about, consequences.left_out];
+    setText($("held-message"), [
+      about ? "Cells as they mostly are in this phase." : "",
+      trim && others ? `${others} other steady motion${others > 1 ? "s" : ""} at these extensions, ${found.hold.stable_others || "none"} of them stable.` : "",
+      left ? `${left} shorter hold${left > 1 ? "s are" : " is"} not told.` : "",
+    ].filter(Boolean).join(" "));
+  }
 }
 
 export function connectReadouts({ store, clock }) {
-  const nowRows = fillTable($("now"), NOW);
-  const others = [...fillTable($("balance"), BALANCE), ...fillTable($("end"), END), ...fillTable($("numerics"), NUMERICS)];
-  const showNow = () => {
-    const run = store.get("state")?.run;
-    const place = run ? locate(run.columns.t, clock.t) : null;
-    setText($("now-title"), `Now, at ${clockText(clock.t, clock.end)}`);
-    for (const item of nowRows) if (!item.root.hidden) write(item, run ? item.read(run, place) : undefined);
-    setText($("scene-depth"), run ? `depth ${fixed(at(run.columns.z, place), 3)} m` : "");
-  };
-  store.watch(["state"], ({ state }) => {
-    if (!state) return;
-    const model = state.run?.model ?? state.model;
-    document.querySelector(".results").classList.toggle("dense", model === "spatial");
-    for (const item of [...nowRows, ...others]) item.root.hidden = Boolean(item.model) && item.model !== model;
-    for (const item of others) if (!item.root.hidden) write(item, item.read(state));
-    setText($("end-message"), state.run?.message ?? "");
-    showNow();
-  });
-  clock.watch(showNow);
+  connectGroups($("pane-readouts"));
+  return new Readouts({ store, clock });
 }

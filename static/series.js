@@ -54,3 +54,39 @@ export function commandCorners(points, start, duration) {
   corners.push([Math.max(duration, points.at(-1)?.time ?? 0), value]);
   return corners;
 }
+
+// The stretches of time in which a condition holds; a lone sample reaches half-way to its neighbours.
+export function stretches(t, values, holds) {
+  const found = [];
+  let start = null;
+  for (let i = 0; i <= t.length; i += 1) {
+    const inside = i < t.length && values[i] !== null && holds(values[i]);
+    if (inside && start === null) start = i ? (t[i - 1] + t[i]) / 2 : t[0];
+    if (!inside && start !== null) {
+      found.push([start, i < t.length ? (t[i - 1] + t[i]) / 2 : t.at(-1)]);
+      start = null;
+    }
+  }
+  return found;
+}
+
+// The samples from the last one before a window to the first one behind it, as indices [first, last].
+export function within(t, from, to) {
+  const last = t.length - 1;
+  if (last < 0 || t[0] > to || t[last] < from) return [0, -1];
+  const { i } = locate(t, from);
+  const { i: j } = locate(t, to);
+  return [i, Math.min(j + 1, last)];
+}
+
+export function extentWithin(t, values, from, to) {
+  const [first, last] = within(t, from, to);
+  let [low, high] = [Infinity, -Infinity];
+  for (let k = first; k <= last; k += 1) {
+    const v = values[k];
+    if (v === null) continue;
+    if (v < low) low = v;
+    if (v > high) high = v;
+  }
+  return low <= high ? [low, high] : null;
+}

@@ -5,7 +5,7 @@ import * as api from "./api.js";
 const RETRY = 2000; // ms, where the browser itself gives up on the event stream
 
 export function createActions(store) {
-  async function act(call, { keepProblem = false } = {}) {
+  async function act(call, { keepProblem = false, onRefused = () => {} } = {}) {
     store.set({ busy: store.get("busy") + 1 });
     try {
       const answer = await call();
@@ -15,13 +15,15 @@ export function createActions(store) {
       const problem = error.problem ?? { title: error.message };
       // The server keeps the last rejected edit in its state; other refusals only this page knows.
       store.set({ rejected: problem, rejectedHere: keepProblem || problem.status !== 422 });
+      onRefused(problem);
       return undefined;
     } finally {
       store.set({ busy: store.get("busy") - 1 });
     }
   }
-  const drag = api.latestWins((patch) => act(() => api.edit(patch)));
+  const drag = api.latestWins((patch, gesture) => act(() => api.edit(patch, gesture)));
   return {
+    act,
     edit: (patch) => act(() => api.edit(patch)),
     editLatest: drag,
     undo: () => store.get("state")?.can_undo && act(api.undo),
@@ -37,13 +39,19 @@ async function refresh(store) {
   try {
     const state = await api.getState();
     const keep = store.get("rejected") && store.get("rejectedHere");
-    store.set({ state, connected: true, rejected: keep ? store.get("rejected") : null });
+    const consequences = newer(store.get("consequences"), state);
+    store.set({ state, consequences, connected: true, rejected: keep ? store.get("rejected") : null });
   } catch (error) {
     const gone = [403, 404].includes(error.problem?.status);
     const rejected = { title: "This session is over", detail: "Go back to the presets and open a saved design file there." };
     if (gone) store.set({ over: true, rejected, rejectedHere: true });
     else store.set({ connected: false });
   }
+}
+
+// They also come by the event stream, sooner than a state that holds them: an older state must not bring older ones back.
+function newer(heard, { consequences, run }) {
+  return heard && consequences && heard.run > consequences.run && heard.run <= (run?.number ?? 0) ? heard : consequences;
 }
 
 // Hears of each change and fetches the state: one fetch at a time, and only for the newest revision.
@@ -53,6 +61,7 @@ export function follow(store) {
   function connect() {
     source = new EventSource("events");
     source.addEventListener("state", fetchState);
+    source.addEventListener("consequences", ({ data }) => store.set({ consequences: JSON.parse(data) }));
     source.addEventListener("open", () => store.set({ connected: true }));
     source.addEventListener("error", async () => {
       store.set({ connected: false });

@@ -1,177 +1,151 @@
-// Lanes and plots on one time axis, with one red line through all of them.
+// Lanes, marks and plots on one time axis, with one red line through all of them.
 
 import { $, el, setText } from "./dom.js";
-import { clockText } from "./format.js";
-import { Lane } from "./lane.js";
-import { Legend } from "./legend.js";
+import { Hover } from "./hover.js";
+import { LaneSet } from "./lanes.js";
 import { PathPlot } from "./pathplot.js";
-import { TimePlot } from "./plots.js";
-import { PointEditor } from "./pointeditor.js";
-import { addPatch, movePatch, removePatch } from "./schedule.js";
-import { GUTTER, TimeScale, axisEnd } from "./timescale.js";
+import { PlotSet } from "./plotset.js";
+import { RangeBar } from "./rangebar.js";
+import { EXTENSION_STEPS, TIME_STEPS } from "./snap.js";
+import { Strip } from "./strip.js";
+import { onScheme } from "./theme.js";
+import { TimeScale, axisEnd } from "./timescale.js";
+import { TimeZoom } from "./timezoom.js";
+import { focusWarning } from "./warningfocus.js";
+
+const SAID = 5000; // ms for which a message stands in the hint's place
 
 export class Timeline {
   // actions: edit(patch), editLatest(patch), select(component index)
   constructor({ store, clock, actions }) {
-    Object.assign(this, { store, clock, actions, lanes: new Map(), scale: new TimeScale(), hovered: null });
-    this.editor = new PointEditor({
-      onApply: ({ cell, k }, point) => this.edit(cell, (schedule) => movePatch(schedule, k, point)),
-      onDelete: ({ cell, k }) => this.edit(cell, (schedule) => removePatch(schedule, k)),
-    });
-    this.plots = [
-      new TimePlot($("plot-depth"), this.scale, "depth"),
-      new TimePlot($("plot-angles"), this.scale, "angles", { axis: true }),
-    ];
-    this.path = new PathPlot($("path"), { onSeek: (t) => clock.seek(t) });
-    this.legends = [new Legend($("legend-depth")), new Legend($("legend-angles"))];
+    Object.assign(this, { store, clock, scale: new TimeScale(), asked: 0 });
+    const { scale } = this;
+    const redraw = () => this.redraw();
+    this.lanes = new LaneSet({ scale, clock, actions, onDrop: () => this.fitAxis() && this.draw(), say: (words) => this.say(words) });
+    this.plots = new PlotSet({ scale, clock, onRows: () => this.layout() });
+    this.hover = new Hover({ scale, describe: (target, t) => this.describe(target, t), onMove: (t) => this.plots.showCursor(t) });
+    this.strip = new Strip({ store, clock, scale, note: (node, lines) => this.hover.note(node, lines), onWarning: focusWarning, onBookmarks: (bookmarks) => store.set({ bookmarks }) });
+    this.zoom = new TimeZoom({ scale, clock, onChange: redraw });
+    this.range = new RangeBar({ scale, clock });
+    this.path = new PathPlot($("path"), { onSeek: (t) => clock.seek(t), keptOf: () => this.plots.shownKept });
+    this.connectSnap();
     this.listen();
     store.watch(["state"], ({ state }) => state && this.update(state));
     clock.watch(() => this.showTime());
   }
 
   listen() {
-    new ResizeObserver(() => this.layout()).observe($("rows"));
-    new ResizeObserver(() => this.layout()).observe($("path"));
-    matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => this.draw());
-    for (const plot of this.plots) this.listenTo(plot);
-    $("rows").addEventListener("pointermove", (event) => this.hover(event));
-    $("rows").addEventListener("pointerleave", () => this.unhover());
+    const sizes = new ResizeObserver(() => this.layout());
+    for (const id of ["rows", "plots", "path"]) sizes.observe($(id));
+    onScheme(() => this.draw());
+    $("plots").addEventListener("pointerdown", (event) => this.scrubOn(event));
   }
 
-  listenTo({ canvas }) {
-    const seek = (event) => this.clock.seek(this.scale.t(event.clientX - canvas.getBoundingClientRect().left));
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      seek(event);
-    });
-    canvas.addEventListener("pointermove", (event) => event.buttons & 1 && seek(event));
+  // On a plot the pointer takes the clock along.
+  scrubOn(event) {
+    const plot = this.plots.plotOf(event.target);
+    if (!plot || event.button !== 0) return;
+    const { canvas } = plot;
+    const seek = ({ clientX }) => this.clock.seek(this.scale.t(clientX - canvas.getBoundingClientRect().left));
+    canvas.setPointerCapture(event.pointerId);
+    seek(event);
+    canvas.addEventListener("pointermove", seek);
+    const end = () => canvas.removeEventListener("pointermove", seek);
+    for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, end, { once: true });
   }
 
-  // Edits find the schedule anew: indices may have changed since a popover was opened.
-  edit(cell, patchOf) {
-    const lane = this.lanes.get(cell);
-    if (lane) lane.sent(this.actions.edit(patchOf(lane.schedule)));
+  connectSnap() {
+    const { snap } = this.lanes;
+    for (const [id, steps, key] of [["snap-time", TIME_STEPS, "time"], ["snap-extension", EXTENSION_STEPS, "extension"]]) {
+      $(id).replaceChildren(...steps.map(([value, words]) => el("option", { value }, words)));
+      $(id).value = snap[key];
+      $(id).addEventListener("change", () => snap.choose({ [key]: $(id).value }));
+    }
   }
 
-  laneHooks() {
-    return {
-      onDrag: (lane, k, point) => {
-        lane.sent(this.actions.editLatest(movePatch(lane.schedule, k, point)));
-        if (this.fitAxis()) this.draw();
-      },
-      onDrop: () => this.fitAxis() && this.draw(),
-      onAdd: (lane, point) => this.edit(lane.schedule.cell, (schedule) => addPatch(schedule, point)),
-      onRemove: (lane, k) => this.edit(lane.schedule.cell, (schedule) => removePatch(schedule, k)),
-      onOpen: (lane, k, anchor) => this.editor.open({ cell: lane.schedule.cell, k, point: lane.points[k], anchor, unit: lane.unit }),
-      onSelect: (lane) => this.actions.select(lane.component?.index),
-      onSeek: (t) => this.clock.seek(t),
-    };
+  // A word on what was done or cannot be done, in the hint's place.
+  say(words) {
+    setText($("lane-hint"), words);
+    clearTimeout(this.quiet);
+    this.quiet = setTimeout(() => this.lanes.hint(this.store.get("state")), SAID);
   }
 
   update(state) {
-    this.syncLanes(state);
+    this.lanes.sync(state);
     this.fitAxis();
-    this.plots.forEach((plot, i) => {
-      plot.setRun(state.run, state.model);
-      this.legends[i].show(plot);
-    });
+    this.plots.update(state);
     this.path.setRun(state.run);
+    this.lanes.hint(state);
     this.layout();
   }
 
   // Returns whether the axis changed. Under a drag it stays: a point moved by a moving axis would run away.
   fitAxis() {
-    const lanes = [...this.lanes.values()];
     const state = this.store.get("state");
-    if (!state || lanes.some((lane) => lane.dragging)) return false;
-    const lastPoint = Math.max(0, ...lanes.map((lane) => lane.points.at(-1)?.time ?? 0));
-    const end = axisEnd({ duration: state.duration, runEnd: state.run?.columns.t.at(-1) ?? null, lastPoint });
+    if (!state || this.lanes.drag.active) return false;
+    const end = axisEnd({ duration: state.duration, runEnd: state.run?.columns.t.at(-1) ?? null, lastPoint: this.lanes.lastPoint() });
     if (end === this.scale.end) return false;
-    this.scale.end = end;
-    $("scrub").max = String(end);
-    $("scrub").value = String(this.clock.t); // the old end may have held it back
+    this.scale.setEnd(end);
     return true;
   }
 
-  syncLanes(state) {
-    const names = new Set(state.schedules.map((s) => s.cell));
-    for (const [name, lane] of this.lanes) {
-      if (!names.has(name)) {
-        lane.root.remove();
-        this.lanes.delete(name);
-      }
-    }
-    for (const schedule of state.schedules) {
-      if (!this.lanes.has(schedule.cell)) this.lanes.set(schedule.cell, new Lane(this.scale, this.laneHooks()));
-      const lane = this.lanes.get(schedule.cell);
-      const component = state.components.find((c) => c.name === schedule.cell);
-      lane.update(schedule, component, state);
-      // Re-appending an unmoved lane would take the focus from its points.
-      const place = $("lanes").children[state.schedules.indexOf(schedule)];
-      if (place !== lane.root) $("lanes").insertBefore(lane.root, place ?? null);
-    }
-    $("no-cells").hidden = state.schedules.length > 0;
-    const free = state.schedules.filter((s) => !s.controlled);
-    this.hint ??= $("lane-hint").textContent;
-    setText($("lane-hint"), free.length || !state.schedules.length ? this.hint : "All cells are under control: lanes show the commands they hold");
-  }
-
   layout() {
-    const label = $("ruler-label").offsetWidth;
-    this.scale.width = Math.max($("rows").clientWidth - label, 120);
-    this.left = label;
-    const scrub = $("scrub");
-    scrub.style.marginLeft = `${GUTTER - 7}px`; // half a thumb, so that its tip is the line's head
-    scrub.style.width = `${this.scale.span + 14}px`;
+    this.left = $("ruler-label").offsetWidth;
+    this.scale.width = Math.max($("rows").clientWidth - this.left, 120);
     this.draw();
   }
 
+  // Zooming asks more often than a screen shows.
+  redraw() {
+    if (this.asked) return;
+    this.asked = requestAnimationFrame(() => this.draw());
+  }
+
   draw() {
-    for (const lane of this.lanes.values()) lane.draw();
-    for (const plot of this.plots) plot.draw();
+    cancelAnimationFrame(this.asked);
+    this.asked = 0;
+    this.drawRuler();
+    this.strip.draw();
+    this.lanes.draw();
+    this.plots.draw();
     this.path.draw();
     this.showTime();
   }
 
+  drawRuler() {
+    const scrub = $("scrub");
+    scrub.min = String(this.scale.from);
+    scrub.max = String(this.scale.to);
+    scrub.style.left = `${this.scale.left - 7}px`; // half a thumb, so that its tip is the line's head
+    scrub.style.width = `${this.scale.span + 14}px`;
+    scrub.value = String(this.clock.t); // the old ends may have held it back
+    this.zoom.draw();
+  }
+
+  // Moves what moves; curves are drawn anew only where the window had to follow.
   showTime() {
     const { t } = this.clock;
+    const moved = t !== this.shown;
+    this.shown = t;
+    if (moved && this.zoom.follow(t)) return this.draw();
+    $("clock-line").hidden = !this.scale.shows(t);
     $("clock-line").style.transform = `translateX(${(this.left ?? 0) + this.scale.x(t)}px)`;
-    for (const lane of this.lanes.values()) lane.showTime(t);
-    this.plots.forEach((plot, i) => this.legends[i].write(plot.describe(t)));
+    this.lanes.showTime(t);
+    this.plots.showTime(t);
     this.path.showTime(t);
+    this.range.draw();
+    return undefined;
   }
 
-  hover(event) {
-    const x = event.clientX - $("rows").getBoundingClientRect().left - this.left;
-    const subject = this.subjectOf(event.target);
-    if (x < GUTTER || !subject || event.buttons) return this.unhover();
-    const t = this.scale.t(x);
-    $("hover-line").hidden = false;
-    $("hover-line").style.transform = `translateX(${this.left + this.scale.x(t)}px)`;
-    this.showTip(subject, t, event);
+  describe(target, t) {
+    const lane = this.lanes.list.find((each) => each.svg.contains(target));
+    if (lane) return { rows: lane.describe(t), notes: this.notesAt(t) };
+    const plot = this.plots.plotOf(target);
+    return plot && { rows: plot.table(t), notes: [...this.notesAt(t), ...plot.outsideAt(t).slice(0, 2).map(({ what }) => what)] };
   }
 
-  subjectOf(target) {
-    const plot = this.plots.find(({ canvas }) => canvas === target);
-    return plot ?? [...this.lanes.values()].find((lane) => lane.svg.contains(target));
-  }
-
-  showTip(subject, t, event) {
-    const rows = [["Time", clockText(t, this.scale.end, { digits: 2 })], ...subject.describe(t)];
-    const near = (this.store.get("state")?.run?.events ?? []).find((e) => Math.abs(this.scale.x(e.time) - this.scale.x(t)) < 6);
-    const tip = $("tip");
-    tip.replaceChildren(...rows.map(([name, value]) => el("div", {}, el("span", {}, name), el("b", {}, value))));
-    if (near) tip.append(el("p", {}, near.label ?? near.kind));
-    tip.hidden = false;
-    const box = $("rows").getBoundingClientRect();
-    const [x, y] = [event.clientX - box.left, event.clientY - box.top];
-    const right = x + 16 + tip.offsetWidth < box.width;
-    tip.style.left = `${right ? x + 16 : x - tip.offsetWidth - 16}px`;
-    tip.style.top = `${Math.min(Math.max(y - tip.offsetHeight - 8, 2), box.height - tip.offsetHeight - 2)}px`;
-  }
-
-  unhover() {
-    $("hover-line").hidden = true;
-    $("tip").hidden = true;
+  notesAt(t) {
+    const near = (this.store.get("state")?.run?.events ?? []).filter((e) => Math.abs(this.scale.x(e.time) - this.scale.x(t)) < 6);
+    return near.slice(0, 2).map(({ label }) => label);
   }
 }

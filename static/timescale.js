@@ -1,26 +1,81 @@
-// The horizontal scale that lanes, plots, scrub bar and the red line share, and nice tick values.
+// The horizontal scale that lanes, plots, scrub bar and the red line share, the window of time it shows, and nice ticks.
 
 import { longerThan } from "./format.js";
 
-export const GUTTER = 62; // pixels left of t = 0, for the value axes' numbers and the lanes' unit
-export const MARGIN = 14; // pixels right of the end
+export const GUTTER = 62; // pixels left of the window, for the value axes' numbers and the lanes' unit
+export const MARGIN = 14; // pixels right of it
+const CLOSEST = 500; // times: how near a look may come
 
+// `end` is the whole axis; the window [from, to] is all of it unless someone looks closer.
 export class TimeScale {
   constructor() {
     this.width = 600;
     this.end = 1;
+    this.window = null;
   }
 
   get span() {
     return Math.max(this.width - GUTTER - MARGIN, 1);
   }
 
-  x(t) {
-    return GUTTER + (t / this.end) * this.span;
+  get from() {
+    return this.window ? this.window[0] : 0;
   }
 
+  get to() {
+    return this.window ? this.window[1] : this.end;
+  }
+
+  get seconds() {
+    return this.to - this.from;
+  }
+
+  get zoomed() {
+    return this.window !== null;
+  }
+
+  get left() {
+    return GUTTER;
+  }
+
+  get right() {
+    return GUTTER + this.span;
+  }
+
+  x(t) {
+    return GUTTER + ((t - this.from) / this.seconds) * this.span;
+  }
+
+  // Always within the axis: what is typed and dragged must not leave it.
   t(x) {
-    return Math.min(Math.max(((x - GUTTER) / this.span) * this.end, 0), this.end);
+    return Math.min(Math.max(this.from + ((x - GUTTER) / this.span) * this.seconds, 0), this.end);
+  }
+
+  shows(t) {
+    return t >= this.from && t <= this.to;
+  }
+
+  // Another axis keeps the window as far as it reaches.
+  setEnd(end) {
+    this.end = end;
+    if (this.window) this.setWindow(...this.window);
+  }
+
+  setWindow(from, to) {
+    const length = Math.min(Math.max(to - from, this.end / CLOSEST), this.end);
+    const start = Math.min(Math.max(from, 0), this.end - length);
+    this.window = length >= this.end * (1 - 1e-9) ? null : [start, start + length];
+  }
+
+  // `around` stays where it is on the screen.
+  zoom(factor, around) {
+    const length = this.seconds / factor;
+    const share = (around - this.from) / this.seconds;
+    this.setWindow(around - share * length, around + (1 - share) * length);
+  }
+
+  pan(seconds) {
+    if (this.window) this.setWindow(this.from + seconds, this.to + seconds);
   }
 }
 
@@ -50,10 +105,10 @@ export function ticks(low, high, count) {
   return { values, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
 }
 
-// Ticks of a time axis, in seconds, with the numbers to write in the unit that suits its length.
-export function timeTicks(end, count) {
+// Ticks of a time axis, in seconds, with the numbers to write in the unit that suits the whole axis.
+export function timeTicks({ from, to, end }, count) {
   const { per, symbol } = longerThan(end);
-  const { values, digits } = ticks(0, end / per, count);
+  const { values, digits } = ticks(from / per, to / per, count);
   return { values: values.map((v) => v * per), per, digits, symbol };
 }
 

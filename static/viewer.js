@@ -23,8 +23,8 @@ const messages = {
 };
 
 export class Viewer {
-  constructor(iframe, { visibilityOf, onDock, onLink, onKey, postClock }) {
-    Object.assign(this, { iframe, visibilityOf, onDock, onLink, onKey, postClock });
+  constructor(iframe, { visibilityOf, onDock, onLink, onKey, onGrab, postClock }) {
+    Object.assign(this, { iframe, visibilityOf, onDock, onLink, onKey, onGrab, postClock });
     this.wanted = new Map();
     this.poseUpdates = 0;
     this.loadedAt = performance.now();
@@ -48,6 +48,12 @@ export class Viewer {
     this.nextReload = now + RETURN_PATIENCE;
   }
 
+  // What is seen now, as a PNG; null where the client shows nothing. Its canvas keeps what it has drawn.
+  picture() {
+    const canvas = this.hook()?.canvas;
+    return new Promise((resolve) => (canvas ? canvas.toBlob(resolve, "image/png") : resolve(null)));
+  }
+
   // Asked for at each check: a load event may have come before this module ran.
   greet() {
     const doc = this.iframe.contentDocument;
@@ -57,6 +63,7 @@ export class Viewer {
     applySkin(doc);
     // Keys pressed after a click into the scene still drive the page's clock.
     this.iframe.contentWindow?.addEventListener("keydown", this.onKey);
+    this.iframe.contentWindow?.addEventListener("pointerdown", () => this.onGrab(), { capture: true });
   }
 
   // The client's mutable state, or null as long as (or in a version where) it offers no such hook.

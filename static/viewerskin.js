@@ -1,7 +1,7 @@
-// Dresses the viewer's docked panel in the page's own variables, so that no seam shows. Purely cosmetic:
-// if a later client names its variables otherwise, it merely looks like itself again.
+// Leaves of the viewer's client the scene alone, and its notes in the page's own variables. Purely cosmetic:
+// if a later client names its parts otherwise, it merely looks like itself again.
 
-import { guardNumbers } from "./plainnumbers.js";
+import { onScheme, scheme } from "./theme.js";
 
 const TOKENS = ["bg", "panel", "raised", "line", "ink", "dim", "faint", "accent"];
 
@@ -24,6 +24,8 @@ const RULES = `
   --mantine-color-dark-6: var(--bg);
   --mantine-color-dark-7: var(--panel);
 }
+/* Its control panel, told by its handles for resizing: the page has its own. */
+.mantine-Paper-root:has(> [style*="-resize"]) { display: none; }
 /* Clear of the page's buttons over the scene. */
 .mantine-Notifications-root { margin-top: 76px; }
 #${SOFTWARE} { display: none; }`;
@@ -33,13 +35,10 @@ function tokens() {
   return `:root { ${TOKENS.map((name) => `--${name}: ${style.getPropertyValue(`--${name}`)};`).join(" ")} }`;
 }
 
-const light = matchMedia("(prefers-color-scheme: light)");
-
 // The server can only set one theme for all its viewers; the person's own preference is known here.
 function followScheme(root) {
   const set = () => {
-    const scheme = light.matches ? "light" : "dark";
-    if (root.getAttribute("data-mantine-color-scheme") !== scheme) root.setAttribute("data-mantine-color-scheme", scheme);
+    if (root.getAttribute("data-mantine-color-scheme") !== scheme()) root.setAttribute("data-mantine-color-scheme", scheme());
   };
   set();
   new root.ownerDocument.defaultView.MutationObserver(set).observe(root, { attributeFilter: ["data-mantine-color-scheme"] });
@@ -62,9 +61,8 @@ export function applySkin(doc) {
     dress();
     doc.adoptedStyleSheets = [...doc.adoptedStyleSheets, sheet];
     closeSoftwareNote(doc);
-    guardNumbers(doc);
     const set = followScheme(doc.documentElement);
-    light.addEventListener("change", () => {
+    onScheme(() => {
       dress();
       set();
     });

@@ -1,1 +1,1 @@
-"""What people see: one designer's session, the 3D scene and panel (Viser), and the studio's own HTTP."""
+"""What people see: one designer's session, the 3D scene (Viser), and the studio's own HTTP."""

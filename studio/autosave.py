@@ -13,7 +13,7 @@ import re
 import tempfile
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from pydantic_core import to_json
 from models.design import Design, parse_design
 from models.problems import DesignError
 from studio.origin import Origin, origin_document, read_origin
+from studio.part_marks import Document, read_marks
 
 log = logging.getLogger(__name__)
 
@@ -40,6 +41,7 @@ class SavedSession:
     saved_at: str
     design: Design
     origin: Origin | None = None
+    marks: Document = field(default_factory=dict)
 
 
 def is_session_id(text: str) -> bool:
@@ -86,9 +88,11 @@ class Autosave:
         try:
             saved = json.loads(self._path(session_id).read_bytes())
             design, origin = parse_design(saved["design"]), read_origin(saved.get("origin"))
+            marks = read_marks(saved.get("marks")).document()
             return SavedSession(
-                session_id, str(saved["secret_hash"]), int(saved["revision"]), str(saved["saved_at"]), design, origin
-            )
+                session_id, str(saved["secret_hash"]), int(saved["revision"]), str(saved["saved_at"]), design, origin,
+                marks,
+            )  # fmt: skip
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, TypeError, DesignError) as error:
@@ -129,6 +133,7 @@ class Autosave:
             "revision": session.revision,
             "saved_at": saved_at,
             "origin": origin_document(session.origin),
+            "marks": session.marks,
             "design": session.design.model_dump(mode="json"),
         }
         # mkstemp makes the file readable by its owner alone

@@ -16,6 +16,7 @@ from studio.attitude import Quaternion, attitude_of, rotate
 from studio.meshes import Mesh
 
 Vector = tuple[float, float, float]
+SMALLEST_STRETCH = 0.2
 DENSITY_OF_METAL = 7800.0
 """For the size of a mass that has no shape, kg/m3."""
 
@@ -144,6 +145,39 @@ def _drawable(length: float, radius: float) -> float:
 def drawn_length(component: Component) -> float | None:
     """Return the length at which a cell's stack is drawn when neutral, m; None for what does not stretch."""
     return next((body.sizes[0] for body in bodies(component) if body.grows), None)
+
+
+@lru_cache(maxsize=1024)
+def pleat(component: Component) -> tuple[float, float, float] | None:
+    """Return half the length of a drawn bellows' pleat, its depth and its outer radius, m; None for what has none."""
+    body = next((body for body in bodies(component) if body.grows and body.kind == "bellows"), None)
+    if body is None:
+        return None
+    length, inner, outer, pleats = body.sizes
+    return length / (2.0 * pleats), outer - inner, outer
+
+
+def breath(component: Component, growth: float) -> Vector:
+    """Return how much larger a cell's stack is drawn along and across its axis when it grew by a length, m.
+
+    The sides of a bellows' pleats keep their length, so that its pleats flatten as it stretches; a bladder swells all
+    round; what slides only gets longer.
+    """
+    length = drawn_length(component)
+    if length is None:
+        return 1.0, 1.0, 1.0
+    stretch = max(1.0 + growth / length, SMALLEST_STRETCH)
+    folded = pleat(component)
+    if isinstance(component, Bladder):
+        wide = stretch = stretch ** (1.0 / 3.0)
+    elif folded is not None:
+        half, depth, radius = folded
+        left = math.sqrt(max(half**2 * (1.0 - stretch**2) + depth**2, 0.0))
+        wide = max((radius - depth + left) / radius, 1.0 - depth / radius)
+        wide = min(wide, 1.0 + 0.5 * depth / radius)
+    else:
+        wide = 1.0
+    return stretch, wide, wide
 
 
 @lru_cache(maxsize=1024)

@@ -16,45 +16,13 @@ from models.volumes import volume
 from models.water import surface_density
 from studio.bodies import drawn_extent
 from studio.control_changes import removed_from_control, renamed_in_control
+from studio.part_kinds import NAMES, new_part
 
 Operation = dict[str, Any]
 Patch = list[Operation]
 
-NAMES = {
-    "bellows": "Bellows",
-    "piston": "Piston",
-    "bladder": "Bladder",
-    "movable_mass": "Movable mass",
-    "rolling_mass": "Rolling mass",
-    "rigid": "Part",
-}
 _components: TypeAdapter[Component] = TypeAdapter(Component)
 COMPONENT = re.compile(r"/vehicle/components/(0|[1-9][0-9]{0,5})(/name)?")
-
-
-def _new_component(kind: str) -> dict[str, Any]:
-    match kind:
-        case "bellows":
-            return {
-                "pleats": 8, "inner_radius": 0.016, "outer_radius": 0.024, "fixed_volume": 2e-5,
-                "extension_range": [0.0, 0.032], "neutral_extension": 0.016, "rate_limit": 0.002,
-            }  # fmt: skip
-        case "piston":
-            return {"volume": 4e-5, "volume_range": [3e-5, 5e-5], "area": 5e-4, "rate_limit": 0.002}
-        case "bladder":
-            return {
-                "extensions": [0.0, 0.01, 0.02], "volumes": [1e-5, 2e-5, 3e-5],
-                "neutral_extension": 0.01, "rate_limit": 0.002,
-            }  # fmt: skip
-        case "movable_mass":
-            return {"mass": 0.05, "extension_range": [-0.03, 0.03], "neutral_extension": 0.0, "rate_limit": 0.005}
-        case "rolling_mass":
-            return {"mass": 0.05, "angle_range": [-1.5, 1.5], "neutral_angle": 0.0, "rate_limit": 0.2}
-        case "rigid":
-            cube = {"kind": "cylinder", "length": 0.03, "radius": 0.008}
-            return {"mass": 0.02, "volume": 6e-6, "shapes": [cube]}
-        case _:
-            raise DesignError([Problem("/vehicle/components", f"there is no kind of component '{kind}'")])
 
 
 def free_name(design: Design, wanted: str) -> str:
@@ -83,13 +51,12 @@ def free_place(design: Design) -> float:
 
 
 def added(design: Design, kind: str) -> Patch:
-    """Return the patch that adds a small component of a kind in the widest gap; a cell floats neutral by itself."""
-    place = [free_place(design), 0.0, 0.0]
-    component = {"mass": 0.0} | _new_component(kind) | {
-        "kind": kind, "name": free_name(design, NAMES[kind]), "position": place
-    }  # fmt: skip
+    """Return the patch that adds a small part of a kind in the widest gap; a cell floats neutral by itself."""
+    component = new_part(design, kind, free_place(design))
+    component["name"] = free_name(design, NAMES[kind])
     if kind == "rolling_mass":  # a finger's breadth below its axis, so that turning it moves weight sideways
-        component |= {"pivot": place, "position": [place[0], 0.0, 0.01]}
+        x, y, z = component["position"]
+        component |= {"pivot": [x, y, z], "position": [x, y, z + 0.01]}
     part = _components.validate_python(component)
     if isinstance(part, Bellows | Piston | Bladder):
         density = surface_density(design.mission.environment.water)
@@ -130,6 +97,13 @@ def component_at(design: Design, index: int) -> Component:
     if not 0 <= index < len(design.vehicle.components):
         raise DesignError([Problem(pointer_to("vehicle", "components", index), "there is no such component")])
     return design.vehicle.components[index]
+
+
+def same_component(before: Design, after: Design, index: int) -> int:
+    """Return where the component at an index is after a change: by its name, or where it has gone, its old place."""
+    name = before.vehicle.components[index].name
+    names = [c.name for c in after.vehicle.components]
+    return names.index(name) if name in names else min(index, len(names) - 1)
 
 
 def index_of(design: Design, name: str) -> int:
@@ -202,21 +176,3 @@ def merge_key(patch: Sequence[Mapping[str, Any]]) -> str | None:
 def _is_patch(patch: object) -> bool:
     """Whether it has the outer shape of a patch; what is wrong with any other is told where patches are applied."""
     return isinstance(patch, list | tuple) and all(isinstance(operation, Mapping) for operation in patch)
-
-
-def table_patch(index: int, bladder: Bladder, text: str) -> Patch:
-    """Return the patch that replaces a bladder's table by one written as '0: 10, 20: 30' in mm and cm3."""
-    path = pointer_to("vehicle", "components", index)
-    try:
-        rows = [tuple(float(v) for v in row.split(":")) for row in text.split(",")]
-        extensions, volumes = ([row[k] for row in rows] for k in (0, 1))
-    except (ValueError, IndexError):
-        hint = "write pairs such as 0: 10, 20: 30"
-        raise DesignError([Problem(path, f"'{text[:40]}' is not a table of mm: cm³", hint=hint)]) from None
-    changes = {
-        "extensions": [e * 1e-3 for e in extensions],
-        "volumes": [v * 1e-6 for v in volumes],
-        "neutral_extension": min(max(bladder.neutral_extension, extensions[0] * 1e-3), extensions[-1] * 1e-3),
-    }
-    component = bladder.model_dump(mode="json") | changes
-    return [{"op": "replace", "path": path, "value": component}]

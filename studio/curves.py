@@ -12,6 +12,7 @@ from models.design import Design
 from models.run import Run
 from server.decimation import choose_samples
 from studio.attitude import attitudes
+from studio.run_marks import outside_spans, phases_of
 
 Array = NDArray[np.float64]
 
@@ -23,13 +24,14 @@ KEPT = {
 }
 """Columns whose extremes thinning keeps, beside the cells'."""
 SHARED = (
-    "x", "z", "theta", "alpha", "flow_angle", "speed", "net_buoyancy", "lift", "drag",
+    "x", "z", "theta", "alpha", "flow_angle", "speed", "net_buoyancy", "lift", "drag", "moment",
     "com_x", "com_z", "cob_x", "cob_z",
 )  # fmt: skip
 SHOWN = {
     "planar": SHARED,
     "spatial": (
         *SHARED, "y", "phi", "beta", "side_force", "turn_rate", "turn_radius", "battery_energy", "com_y", "cob_y",
+        "hydro_K", "hydro_N",
     ),
 }  # fmt: skip
 """Columns that the page uses as they are."""
@@ -46,7 +48,9 @@ def run_document(run: Run, design: Design) -> dict[str, Any]:
         "model": run.model,
         "status": run.status.name,
         "message": run.message,
-        "events": [{"time": e.time, "kind": e.kind, "label": str(e)} for e in run.events],
+        "events": [{"time": e.time, "kind": e.kind, "cell": e.cell, "label": str(e)} for e in run.events],
+        "phases": phases_of(run),
+        "outside": outside_spans(run),
         "energy_residual": run.largest_residual,
         "energy_exchanged": run.energy_exchanged,
         "elapsed_ms": 1e3 * run.statistics["elapsed"],

@@ -22,7 +22,7 @@ class Gizmo:
 
     UPSIDE_DOWN = (0.0, 1.0, 0.0, 0.0)
 
-    def __init__(self, scene: viser.SceneApi, on_move: Callable[[Vector], None]) -> None:
+    def __init__(self, scene: viser.SceneApi, on_move: Callable[[str, Vector], None]) -> None:
         self._scene, self._on_move = scene, on_move
         self._handle: Any = None
         self._made: tuple[float, bool] | None = None
@@ -55,7 +55,5 @@ class Gizmo:
         if event.client is None:
             return
         self._dragging = event.phase != "end"
-        if event.phase == "start":
-            return
         x, y, z = (float(v) for v in event.target.position)
-        self._on_move((x, y, z + self._clearance))
+        self._on_move(event.phase, (x, y, z + self._clearance))

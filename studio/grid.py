@@ -19,6 +19,7 @@ MAX_LABELS = 112
 MAX_RUNGS = 160
 MAX_RUNG_LABELS = 60
 WALL_STEPS = 8
+MOST_SQUARES = 24
 RUNG = 0.6
 """Half the length of a rung, in lengths of the vehicle."""
 
@@ -89,9 +90,10 @@ def room(low: Array, high: Array) -> Lines:
     lines = [((x0, y0, z), (x1, y0, z)) for z in zs] + [((x0, y0, z), (x0, y1, z)) for z in zs]
     lines += [((x, y0, z0), (x, y0, z1)) for x in xs] + [((x0, y, z0), (x0, y, z1)) for y in ys]
     lines += [((x, y0, z1), (x, y1, z1)) for x in xs] + [((x0, y, z1), (x1, y, z1)) for y in ys]
+    # on the floor every other line, or their names would lie over each other
     labels: list[Label] = [(f"{z:g} m", (float(x0), float(y1), float(z))) for z in zs if z < z1]
-    labels += [(_toward(x, "N", "S"), (float(x), float(y1), float(z1))) for x in xs if x > x0]
-    labels += [(_toward(y, "E", "W"), (float(x1), float(y), float(z1))) for y in ys if y0 < y < y1]
+    labels += [(_toward(x, "N", "S"), (float(x), float(y1), float(z1))) for x in xs[2::2]]
+    labels += [(_toward(y, "E", "W"), (float(x1), float(y), float(z1))) for y in ys[2::2] if y < y1]
     return Lines(np.array(lines, dtype=np.float32).reshape(-1, 2, 3), labels)
 
 
@@ -104,6 +106,16 @@ def room_box(points: Array, length: float, bed: float | None) -> tuple[Array, Ar
     low[2] = max(low[2], 0.0)
     high[2] = high[2] if bed is None else min(high[2], bed)
     return low, high
+
+
+def level_grid(x: tuple[float, float], y: tuple[float, float], length: float) -> NDArray[np.float32]:
+    """Return the lines of a level grid at z = 0 over and around a rectangle: squares that tell how fast it passes."""
+    low, high = (np.array([a[k] for a in (x, y)]) for k in (0, 1))
+    around = 12.0 * length
+    step = max(nice_step(around, 8), nice_step(float((high - low).max()) + 2.0 * around, MOST_SQUARES))
+    xs, ys = (_multiples(float(low[k] - around), float(high[k] + around), step) for k in (0, 1))
+    lines = [((a, ys[0], 0.0), (a, ys[-1], 0.0)) for a in xs] + [((xs[0], b, 0.0), (xs[-1], b, 0.0)) for b in ys]
+    return np.array(lines, dtype=np.float32).reshape(-1, 2, 3)
 
 
 def _toward(value: float, positive: str, negative: str) -> str:

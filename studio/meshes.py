@@ -5,6 +5,7 @@ Bodies of revolution lie along +x. A profile point given twice makes a sharp edg
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 SECTIONS = 48
+ARC = np.deg2rad(250.0)
+"""How far a moment's arrow goes round."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +121,25 @@ def arrow() -> Mesh:
     return revolve(*_sharp((0.0, 0.0), (0.0, 0.03), (0.74, 0.03), (0.74, 0.075), (1.0, 0.0)), sections=20)
 
 
+def rod(radius: float) -> Mesh:
+    """Return a rod of unit length from the origin along +x."""
+    return revolve(*_sharp((0.0, 0.0), (0.0, radius), (1.0, radius), (1.0, 0.0)), sections=12)
+
+
+def arc() -> Mesh:
+    """Return an arrow bent about the x axis at radius 1, in the sense of a right-handed turn."""
+    shaft, head = np.linspace(0.0, 0.86, 29), np.linspace(0.86, 1.0, 9)
+    begin = [(0.0, 0.0), *((float(x), 0.055) for x in shaft)]
+    profile = [begin[0], *(p for p in begin[1:2] for _ in (0, 1)), *begin[2:-1]]
+    profile += [begin[-1], begin[-1], (0.86, 0.15), (0.86, 0.15)]
+    profile += [(float(x), 0.15 * float(1.0 - (x - 0.86) / 0.14)) for x in head[1:]]
+    straight = revolve(*np.array(profile).T, sections=14)
+    along, out, aside = straight.vertices.T
+    angle = ARC * (along - 0.5) - np.pi / 2.0  # its gap below: z points down
+    bent = np.column_stack([-aside, (1.0 + out) * np.cos(angle), (1.0 + out) * np.sin(angle)])
+    return Mesh(bent, straight.faces)
+
+
 def sphere(radius: float) -> Mesh:
     """Return a sphere about the origin."""
     ball = ellipsoid(2.0 * radius, radius)
@@ -144,6 +166,13 @@ def both_sides(mesh: Mesh, distance: float) -> Mesh:
     aside = np.array([0.0, distance, 0.0])
     vertices = np.concatenate([mesh.vertices - aside, mesh.vertices + aside])
     return Mesh(vertices, np.concatenate([mesh.faces, mesh.faces + len(mesh.vertices)]).astype(np.int32))
+
+
+def joined(meshes: Sequence[Mesh]) -> Mesh:
+    """Return several meshes as one."""
+    first = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    faces = [mesh.faces + start for mesh, start in zip(meshes, first, strict=False)]
+    return Mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces).astype(np.int32))
 
 
 def sheet(x: tuple[float, float], y: tuple[float, float]) -> Mesh:

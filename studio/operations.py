@@ -18,9 +18,9 @@ from server.answers import json_answer
 from server.body import JsonBody, loads
 from server.errors import problem_response
 from studio.access import Admitted, SettingsNow
+from studio.consequences import as_event
 from studio.polar import polar_document
 from studio.registry import OpenSession
-from studio.session import Change
 from studio.state import state_json
 from studio.view import VIEWS
 
@@ -62,12 +62,18 @@ async def get_events(opened: Admitted) -> Response:
 
 
 async def _events(opened: OpenSession) -> AsyncIterator[str]:
-    loop, changed = asyncio.get_running_loop(), asyncio.Event()
+    loop, changed, news = asyncio.get_running_loop(), asyncio.Event(), set[str]()
 
-    def tell(_: Change) -> None:
-        loop.call_soon_threadsafe(changed.set)
+    def hear(what: str) -> None:
+        news.add(what)
+        changed.set()
 
-    unsubscribe = opened.session.subscribe(tell)
+    def tell(what: str) -> None:
+        loop.call_soon_threadsafe(hear, what)
+
+    unsubscribe = opened.session.subscribe(lambda _: tell("state"))
+    live = opened.session.consequences
+    leave = live.subscribe(lambda: tell("consequences"))
     opened.connections += 1
     try:
         yield _event(opened)
@@ -78,11 +84,17 @@ async def _events(opened: OpenSession) -> AsyncIterator[str]:
                 yield ": still here\n\n"
                 continue
             changed.clear()
-            yield _event(opened)
+            heard = news.copy()
+            news.clear()
+            if "state" in heard:
+                yield _event(opened)
+            if "consequences" in heard:
+                yield as_event(live.document)
     finally:
         opened.connections -= 1
         opened.touch()
         unsubscribe()
+        leave()
 
 
 def _event(opened: OpenSession) -> str:
@@ -91,10 +103,15 @@ def _event(opened: OpenSession) -> str:
 
 @router.post("/edit")
 def edit(opened: Admitted, document: Document) -> Response:
-    """Apply {"patch": [...]} to the design."""
-    if not isinstance(document, dict) or set(document) != {"patch"}:
-        raise DesignError([Problem("", "send an object with one member, patch", hint='{"patch": [...]}')])
-    opened.session.edit(document["patch"])
+    """Apply {"patch": [...]} to the design; edits of the same "gesture" (a drag) are one step of undo."""
+    if not isinstance(document, dict) or not {"patch"} <= set(document) <= {"patch", "gesture"}:
+        raise DesignError([Problem("", "send an object with a patch, and a gesture if any", hint='{"patch": [...]}')])
+    gesture = document.get("gesture")
+    if not isinstance(gesture, str | None):
+        raise DesignError(
+            [Problem("/gesture", "the name of a gesture is no text", hint="leave it out for a single edit")]
+        )
+    opened.session.edit(document["patch"], gesture=gesture)
     return _revision(opened)
 
 
@@ -165,14 +182,14 @@ def select(opened: Admitted, document: Document) -> None:
 def get_design(opened: Admitted) -> Response:
     """Answer the document as a file."""
     design = opened.session.design
-    return _download(design.to_json(), f"{_file_name(design.name)}.json", "application/json")
+    return download(design.to_json(), f"{file_name(design.name)}.json", "application/json")
 
 
 @router.get("/run.csv")
 async def get_csv(opened: Admitted) -> Response:
     """Answer the last run as CSV."""
     run = _run(opened)
-    return _download(await run_in_threadpool(run.to_csv), f"{_file_name(run.design.name)}.csv", "text/csv")
+    return download(await run_in_threadpool(run.to_csv), f"{file_name(run.design.name)}.csv", "text/csv")
 
 
 @router.get("/run.nc")
@@ -180,7 +197,7 @@ async def get_netcdf(opened: Admitted) -> Response:
     """Answer the last run as NetCDF."""
     run = _run(opened)
     content = await run_in_threadpool(run.to_netcdf)
-    return _download(content, f"{_file_name(run.design.name)}.nc", "application/x-netcdf")
+    return download(content, f"{file_name(run.design.name)}.nc", "application/x-netcdf")
 
 
 def _run(opened: OpenSession) -> Run:
@@ -200,11 +217,12 @@ def _revision(opened: OpenSession) -> Response:
     return json_answer({"revision": opened.session.revision})
 
 
-def _file_name(name: str) -> str:
+def file_name(name: str) -> str:
     """Return a name for a download in plain letters, digits and hyphens."""
     return re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()[:60] or "design"
 
 
-def _download(content: str | bytes, name: str, media_type: str) -> Response:
+def download(content: str | bytes, name: str, media_type: str) -> Response:
+    """Answer a file to keep under a name."""
     headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
     return Response(content, media_type=media_type, headers=headers)

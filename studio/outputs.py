@@ -50,7 +50,7 @@ def curves_of(run: Run, names: Sequence[str]) -> dict[str, Any]:
     of different designs are laid over each other.
     """
     if not names:
-        raise DesignError([Problem("/names", "no output is named", hint="send names=z,theta")])
+        raise DesignError([Problem("/name", "no output is named", hint="send name=z&name=theta")])
     found = {name: column for name in dict.fromkeys(names) if (column := _column(run, name)) is not None}
     chosen = choose_samples([*found.values()] or [run.times], MOST_POINTS)
     units = {item["name"]: item["unit"] for item in outputs_of(run)}

@@ -14,8 +14,16 @@ RIGID = "#9fb3c8"
 BUOYANCY, LIFT, DRAG, SIDE = "#7fe7ff", "#ffe45c", "#ff7a59", "#e3b5ff"
 CENTER_OF_MASS, CENTER_OF_BUOYANCY = "#ff6f81", "#5bc8f5"
 PATH, BEACON = "#f3f7fb", "#ef5b6f"
+PATH_SCALE = ("#7a6ff0", "#4f9be8", "#3cc3c0", "#6bdc8a", "#c2e55b", "#fff06a")
+"""From low to high: each lighter than the one before, and none as dark as the water."""
+MOMENT = "#a9ef9b"
+OFFSET, CURRENT = "#ffffff", "#9fe3d6"
+KEPT = ("#e58bc8", "#f2a83b", "#b9a2ff", "#e8e06a")
+"""Kept runs by their place, as static/tokens.css names them in the dark."""
 WATER_TOP, WATER_BOTTOM = "#397fa5", "#0f2a45"
+FOG = "#24587a"
 DEPTH_LINE, WALL_LINE = "#7fb2cf", "#4d86a8"
+SURFACE_LINE = "#5b9dc0"
 SURFACE, BED = "#8fd0ee", "#4a463c"
 PLOT_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5a5a5a")
 """Lines on white paper, apart for each kind of colour blindness (Okabe, Ito, 2008)."""

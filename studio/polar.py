@@ -48,6 +48,25 @@ def source_in_short(source: Hydrodynamics) -> str:
             return f"coefficients to ±{source.alpha_limit_deg:g}°"
 
 
+def source_range(source: Hydrodynamics) -> dict[str, Any]:
+    """Return title and range of a source: angles in deg and speeds in m/s it was measured or is meant for, or None."""
+    told: dict[str, Any] = {"title": source.provenance.title, "short": source_in_short(source), "speed": None}
+    match source:
+        case PolarTable():
+            return told | {
+                "attack_deg": [-90.0, 90.0], "sideslip_deg": None, "speed": [source.speeds[0], source.speeds[-1]],
+            }  # fmt: skip
+        case AngleTable():
+            slip, mirrored = source.beta_deg, source.mirrored
+            return told | {
+                "attack_deg": [source.alpha_deg[0], source.alpha_deg[-1]],
+                "sideslip_deg": [-slip[-1] if mirrored else slip[0], slip[-1]],
+            }
+        case CoefficientForm():
+            attack, sideslip = source.alpha_limit_deg, source.beta_limit_deg
+            return told | {"attack_deg": [-attack, attack], "sideslip_deg": [-sideslip, sideslip]}
+
+
 def polar_document(source: Hydrodynamics) -> dict[str, Any]:
     """Return the data, the law made from them over the angle of attack, its errors, and where they come from.
 

@@ -16,6 +16,7 @@ from models.problems import DesignError
 from models.warm import kernel_is_ready, warm_kernel_in_background
 from studio.autosave import Autosave, SavedSession, is_session_id
 from studio.origin import Origin
+from studio.part_marks import read_marks
 from studio.session import Session
 from studio.view import View
 
@@ -34,7 +35,7 @@ class OpenSession:
         self.closed = False
         self.last_seen = time.monotonic()
         self._secret_hash, self._autosave = secret_hash, autosave
-        self._saved = (session.revision, session.origin) if saved_at is not None else None
+        self._saved = (session.revision, session.origin, session.marks.document()) if saved_at is not None else None
         self.saving = threading.Lock()
         self._view: View | None = None
         self._view_lock = threading.Lock()
@@ -58,11 +59,12 @@ class OpenSession:
     def save(self) -> None:
         """Have the document written, where it has changed."""
         session = self.session
-        state = session.revision, session.origin
+        marks = session.marks.document()
+        state = session.revision, session.origin, marks
         if state == self._saved:
             return
         self._saved = state
-        saved = SavedSession(session.id, self._secret_hash, session.revision, "", session.design, session.origin)
+        saved = SavedSession(session.id, self._secret_hash, session.revision, "", session.design, session.origin, marks)
         self._autosave.save(saved, on_saved=self._was_saved)
 
     def _was_saved(self, at: str) -> None:
@@ -121,6 +123,7 @@ class Sessions:
             session = Session(
                 session_id, saved.design, limits=self._limits, revision=saved.revision, origin=saved.origin
             )
+            session.marks = read_marks(saved.marks)
         except DesignError as error:
             log.warning("the saved session %s cannot be used: %s", session_id, error)
             return None

@@ -55,8 +55,8 @@ def forget_run(opened: Admitted, run_id: str) -> None:
 
 
 @router.get("/runs/{run_id}/columns")
-def get_columns(opened: Admitted, run_id: str, names: Annotated[str, Query(max_length=2000)]) -> Response:
-    """Answer some outputs of a run, named with commas between, over time; `current` is the present run."""
+def get_columns(opened: Admitted, run_id: str, name: Annotated[list[str], Query(max_length=100)]) -> Response:
+    """Answer some outputs of a run, each asked for as a `name`, over time; `current` is the present run."""
     if run_id == CURRENT:
         run = _present(opened)
     else:
@@ -64,7 +64,7 @@ def get_columns(opened: Admitted, run_id: str, names: Annotated[str, Query(max_l
         if kept is None:
             raise HTTPException(404, _missing(run_id))
         run = kept.run
-    return _fresh(curves_of(run, [name for name in names.split(",") if name]))
+    return _fresh(curves_of(run, [wanted for wanted in name if wanted]))
 
 
 def _present(opened: OpenSession) -> Run:

@@ -18,6 +18,8 @@ log = logging.getLogger(__name__)
 GRACE = 0.25
 """How long a simulation may go on once a newer design waits, s: while someone drags, quick ones all get drawn."""
 KERNEL_POLL = 0.1
+SETTLE_WITHIN = 0.2
+"""While newer designs keep coming, `on_settled` is still called this often, s."""
 QUICK = 0.03
 """A run expected to take less, s, is told together with its document: one redraw in place of two."""
 
@@ -26,13 +28,16 @@ class Runner:
     """Simulates in a thread of its own. Of the designs submitted while it is busy only the newest is simulated.
 
     `on_change` is called there at each `touch` and before each simulation that is not known to be quick, `on_run` after
-    each one that ended.
+    each one that ended, and `on_settled` after that for what may wait: left out while a newer design does, but never
+    for longer than `SETTLE_WITHIN`.
     """
 
     def __init__(
-        self, *, limits: Limits, on_change: Callable[[], None], on_run: Callable[[Assembly, Run], None]
-    ) -> None:
-        self._limits, self._on_change, self._on_run = limits, on_change, on_run
+        self, *, limits: Limits, on_change: Callable[[], None], on_run: Callable[[Assembly, Run], None],
+        on_settled: Callable[[Assembly, Run], None],
+    ) -> None:  # fmt: skip
+        self._limits, self._on_change, self._on_run, self._on_settled = limits, on_change, on_run, on_settled
+        self._settled_at = 0.0
         self._wake = threading.Condition()
         self._pending: Assembly | None = None
         self._touched = self._closed = False
@@ -128,3 +133,6 @@ class Runner:
             self._on_change()
         else:
             self._on_run(assembly, run)
+            if self._pending is None or time.monotonic() - self._settled_at > SETTLE_WITHIN:
+                self._on_settled(assembly, run)
+                self._settled_at = time.monotonic()

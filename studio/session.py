@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import threading
 import time
 from collections import deque
@@ -20,9 +21,12 @@ from models.run import Run
 from models.warm import kernel_is_ready
 from server.editing import apply_patch
 from studio import changes
+from studio.consequences import LiveConsequences
 from studio.kept_runs import KeptRun, KeptRuns
 from studio.origin import Origin
+from studio.part_marks import PartMarks
 from studio.runner import Runner
+from studio.scene_display import Display
 
 log = logging.getLogger(__name__)
 
@@ -62,13 +66,18 @@ class Session:
         self._revision = revision
         self._origin = origin
         self.kept = KeptRuns()
+        self.marks = PartMarks()
+        self._display = Display()
         self._identity: tuple[Design, str] | None = None
         self._selected = design.vehicle.actuated[0][0] if design.vehicle.actuated else 0
         self._undo: deque[Assembly] = deque(maxlen=HISTORY)
         self._redo: deque[Assembly] = deque(maxlen=HISTORY)
         self._last_merge: tuple[str | None, float] = (None, 0.0)
         self._subscribers: list[Callable[[Change], None]] = []
-        self._runner = Runner(limits=limits, on_change=lambda: self._tell(Change.document), on_run=self._finish)
+        self.consequences = LiveConsequences()
+        self._runner = Runner(
+            limits=limits, on_change=lambda: self._tell(Change.document), on_run=self._finish, on_settled=self._settle
+        )
         self._runner.submit(self._assembly)
 
     @property
@@ -80,6 +89,11 @@ class Session:
     def assembly(self) -> Assembly:
         """The document made ready for the kernel, with its warnings and its hydrodynamic law."""
         return self._assembly
+
+    @property
+    def limits(self) -> Limits:
+        """What its designs may ask for."""
+        return self._limits
 
     @property
     def run(self) -> Run | None:
@@ -147,10 +161,15 @@ class Session:
         components = self.design.vehicle.components
         return components[min(self._selected, len(components) - 1)]
 
-    def edit(self, patch: Sequence[Mapping[str, Any]]) -> Design:
-        """Apply a JSON Patch (RFC 6902); renaming or removing one component also changes what names it."""
-        key = changes.merge_key(patch)
-        return self._change(lambda design: apply_patch(design, changes.completed(design, patch)), merge=key)
+    def edit(self, patch: Sequence[Mapping[str, Any]], *, gesture: str | None = None) -> Design:
+        """Apply a JSON Patch (RFC 6902); renaming or removing one component also changes what names it.
+
+        Edits of one gesture that follow each other are one step of undo, however long it lasts.
+        """
+        key, within = (changes.merge_key(patch), MERGE_WITHIN) if gesture is None else (gesture, math.inf)
+        return self._change(
+            lambda design: apply_patch(design, changes.completed(design, patch)), merge=key, within=within
+        )
 
     def set_field(self, pointer: str, value: Any) -> Design:
         """Set one field by JSON Pointer."""
@@ -161,7 +180,8 @@ class Session:
 
         It has no origin: saved, it is a design of its own, and overwrites none.
         """
-        replaced = self._change(lambda _: design)
+        replaced = self._change(lambda _: design, guarded=False)
+        self.marks.clear()
         self.come_from(None)
         return replaced
 
@@ -170,8 +190,17 @@ class Session:
         self._origin = origin
         self._runner.touch()
 
+    def arrange(self, make: Callable[[Design], changes.Patch], *, select: int | None = None) -> Design:
+        """Apply the patch that `make` makes of the present document, and select a component."""
+        return self._change(lambda design: apply_patch(design, make(design)), select=select)
+
+    def mark(self, index: int, **flags: bool) -> None:
+        """Lock or unlock, hide or show a component: `locked` and `hidden` as given."""
+        self.marks.mark(changes.component_at(self.design, index).name, **flags)
+        self._runner.touch()
+
     def add_component(self, kind: str) -> Design:
-        """Add a bellows, piston, bladder, movable_mass or rigid part, and select it."""
+        """Add a part of one of the kinds of `part_kinds.NAMES`, and select it."""
         return self._change(lambda design: apply_patch(design, changes.added(design, kind)), select=-1)
 
     def duplicate_component(self, index: int) -> Design:
@@ -209,6 +238,20 @@ class Session:
             changed, self._selected = index != self._selected, index
         if changed:
             self._runner.touch()
+
+    @property
+    def display(self) -> Display:
+        """What is shown in the scene beside the design and its run."""
+        return self._display
+
+    def touch(self) -> None:
+        """Have everybody told, though neither document nor run changed."""
+        self._runner.touch()
+
+    def show(self, display: Display) -> None:
+        """Show something else in the scene."""
+        self._display = display
+        self._runner.touch()
 
     def keep_run(self, name: str | None = None) -> KeptRun:
         """Keep the present run to compare with; there must be one."""
@@ -252,14 +295,17 @@ class Session:
         self._tell(Change.document)
 
     def _change(
-        self, make: Callable[[Design], Design], *, merge: str | None = None, select: int | None = None
-    ) -> Design:
+        self, make: Callable[[Design], Design], *, merge: str | None = None, select: int | None = None,
+        guarded: bool = True, within: float = MERGE_WITHIN,
+    ) -> Design:  # fmt: skip
         try:
             with self._lock:
                 design = make(self.design)
+                if guarded:
+                    self.marks.require_free(self.design, design)
                 unchanged = design == self.design
                 if not unchanged:
-                    self._accept(assemble(design, self._limits), merge)
+                    self._accept(assemble(design, self._limits), merge, within)
                 self._problem = ()
                 if select is not None:
                     self._selected = select % len(design.vehicle.components)
@@ -273,16 +319,19 @@ class Session:
             self._runner.submit(assembly)
         return assembly.design
 
-    def _accept(self, assembly: Assembly, merge: str | None) -> None:
+    def _accept(self, assembly: Assembly, merge: str | None, within: float) -> None:
         now = time.monotonic()
         key, at = self._last_merge
-        if merge is None or merge != key or now - at > MERGE_WITHIN or not self._undo:
+        if merge is None or merge != key or now - at > within or not self._undo:
             self._undo.append(self._assembly)
         self._last_merge = merge, now
         self._redo.clear()
         self._put(assembly)
 
     def _put(self, assembly: Assembly) -> None:
+        before, after = self.design, assembly.design
+        self.marks.follow(before, after)
+        self._selected = changes.same_component(before, after, self.selected)
         self._assembly = assembly
         self._problem = ()
         self._revision += 1
@@ -302,6 +351,9 @@ class Session:
         self._run, self._run_assembly = run, assembly
         self._run_number += 1
         self._tell(Change.run)
+
+    def _settle(self, assembly: Assembly, run: Run) -> None:
+        self.consequences.update(assembly, run, self._run_number)
 
     def _tell(self, change: Change) -> None:
         with self._lock:

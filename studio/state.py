@@ -15,13 +15,18 @@ from models.run import Run
 from models.run_warnings import run_warnings
 from models.schedule import Schedule
 from models.water import gravity_of, surface_density
-from studio.bodies import drawn_length
+from studio.bodies import drawn_length, pleat
+from studio.consequence_warnings import severity_of
 from studio.curves import run_document
 from studio.origin import origin_document
 from studio.palette import component_colors
+from studio.part_rows import part_rows
 from studio.polar import source_in_short
+from studio.run_marks import warning_times
 from studio.scene import vehicle_length
+from studio.scene_state import scene_document
 from studio.session import Session
+from studio.source_range import range_in_short
 
 REFUSED = "The change was refused"
 
@@ -47,7 +52,7 @@ def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:
         "kernel": "compiling" if session.compiling else "ready",
         "simulating": session.simulating,
         "selected": session.selected,
-        "components": _components(design, colors),
+        "components": _components(design, colors, part_rows(design, session.marks)),
         "schedules": _schedules(design, colors),
         "model": design.mission.solver.model,
         "length": vehicle_length(design),
@@ -55,11 +60,17 @@ def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:
         "initial_depth": design.mission.initial.position[2],
         "bed_depth": design.mission.environment.bed_depth,
         "problem": problem_document(session.problem),
-        "warnings": [{"message": _sentence(w), "pointer": w.pointer} for w in _warnings(session, run)],
+        "warnings": [
+            {"message": _sentence(w), "pointer": w.pointer, "times": warning_times(w), "severity": severity_of(w)}
+            for w in _warnings(session, run)
+        ],
         "hydrodynamics": _hydrodynamics(design),
+        "hydrodynamics_range": range_in_short(design.vehicle.hydrodynamics),
         "solver": _solver(design),
         "mass": _mass(design),
         "kept": [kept.document() for kept in session.kept],
+        "consequences": session.consequences.document,
+        "scene": scene_document(session, run),
         "run": None if run is None else {"number": number} | run_document(run, design),
     }
 
@@ -90,19 +101,20 @@ def _sentence(problem: Problem) -> str:
     return f"{problem.message}: {problem.hint}" if problem.hint else problem.message
 
 
-def _components(design: Design, colors: list[str]) -> list[dict[str, Any]]:
+def _components(design: Design, colors: list[str], marks: list[dict[str, Any]]) -> list[dict[str, Any]]:
     rows = []
     for i, component in enumerate(design.vehicle.components):
         row: dict[str, Any] = {
             "index": i, "name": component.name, "kind": component.kind, "color": colors[i], "mass": component.mass,
             "position": component.position, "moves": False, "cell": False, "drawn_length": None,
-        }  # fmt: skip
+        } | marks[i]  # fmt: skip
         if not isinstance(component, Rigid):
             row |= {
                 "moves": True, "cell": component.kind in ("bellows", "piston", "bladder"),
                 "unit": extension_unit(component), "axis": component.axis,
                 "extension_min": component.stroke[0], "extension_max": component.stroke[1],
                 "extension_neutral": component.neutral, "drawn_length": drawn_length(component),
+                "pleat": pleat(component),
                 "pivot": component.pivot if isinstance(component, RollingMass) else None,
             }  # fmt: skip
         rows.append(row)

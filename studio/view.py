@@ -1,4 +1,4 @@
-"""Owns a session's view: its Viser server with scene and panel, redrawn from the session in one message at a time."""
+"""Owns a session's view: its Viser server with the scene, redrawn from the session in one message at a time."""
 
 from __future__ import annotations
 
@@ -10,20 +10,25 @@ from numpy.typing import NDArray
 
 from models.components import Actuated, Mover, RollingMass
 from models.design import Design
+from models.mission import Initial
 from models.problems import DesignError
 from models.run import Run
 from studio import palette
 from studio.attitude import Quaternion, attitude_at, attitude_of, quaternion_about, rotate
-from studio.bodies import drawn_length
+from studio.bodies import breath, drawn_length
+from studio.curves import MAX_POINTS, curve_samples
 from studio.gizmo import Gizmo
 from studio.grid import room_box
 from studio.guard import GuardedServer, make_server
 from studio.outlook import outlook
 from studio.palette import rgb
-from studio.panel.form import Form
+from studio.path_colors import scale_of
 from studio.scene import LEVEL, GliderNodes, vehicle_extent, vehicle_length
+from studio.scene_drag import Grip, PartMoves
+from studio.scene_ghost import GhostNodes
+from studio.scene_markers import Markers
 from studio.session import Change, Session
-from studio.water import WaterNodes, path_points
+from studio.water import WaterNodes, path_points, points_at, position_at, segment_colors
 
 log = logging.getLogger(__name__)
 
@@ -33,7 +38,6 @@ Vector = tuple[float, float, float]
 FIELD_OF_VIEW = np.deg2rad(32.0)
 EXAGGERATION = 10.0
 """How much larger the cells' growth is drawn where the server moves them: strokes are a millimetre or two."""
-SMALLEST_STRETCH = 0.2
 CAMERAS = {
     # where the camera stands, in lengths of the vehicle from its middle: x forward, y to starboard, z down
     "side": (0.2, 2.1, -0.62),
@@ -41,6 +45,10 @@ CAMERAS = {
     "chase": (-2.5, 0.0, -0.9),
     "free": (1.5, 1.9, -1.1),
 }
+FOG = (6.0, 42.0)
+"""Where fog begins and hides, in lengths of the vehicle."""
+FOG_OF_PATH = 2.0
+"""Where it begins at least in the overview, in diagonals of the path's box."""
 OVERVIEW = "overview"
 VIEWS = (*CAMERAS, OVERVIEW)
 NEAR, FAR = 0.01, 1000.0
@@ -56,7 +64,10 @@ class View:
         self._lock = threading.RLock()
         self.server: GuardedServer = make_server()
         self._drawn: Design | None = None
-        self._drawn_run: Run | None = None
+        self._drawn_run: tuple[Run, str | None] | None = None
+        self._shown: Quaternion = LEVEL
+        self._initial: Initial | None = None
+        self._grip: Grip | None = None
         try:
             with self.server.atomic():
                 self._build()
@@ -67,10 +78,12 @@ class View:
 
     def _build(self) -> None:
         self._prepare_scene()
-        self.glider = GliderNodes(self.server.scene, self._select)
+        self.moves = PartMoves(self.session, lambda: self._shown)
+        self.glider = GliderNodes(self.server.scene, self._select, self.moves.drag)
+        self.markers = Markers(self.server.scene)
         self.water = WaterNodes(self.server.scene)
+        self.ghost = GhostNodes(self.server.scene)
         self.gizmo = Gizmo(self.server.scene, self._move_selected)
-        self.form = Form(self.server.gui, self.session)
         self._look("side")
         self._redraw()
 
@@ -94,6 +107,7 @@ class View:
                 else self._camera_pose(view)
             )
             with client.atomic():
+                client.scene.configure_fog(*self._fog(size if far_off else None), color=rgb(palette.FOG))
                 client.camera.fov = FIELD_OF_VIEW
                 client.camera.up_direction = (0.0, 0.0, -1.0)
                 client.camera.near, client.camera.far = (NEAR_OFF, 10.0 * size) if far_off else (NEAR, FAR)
@@ -106,23 +120,30 @@ class View:
         if run is None:
             return
         with self._lock, self.server.atomic():
-
-            def now(name: str) -> float:
-                return float(np.interp(t, run.times, run.values[name])) if name in run.values else 0.0
-
-            self._pose((now("x"), now("y"), now("z")), attitude_at(run, t))
-            for center in ("com", "cob"):
-                place = (now(f"{center}_x"), now(f"{center}_y"), now(f"{center}_z"))
-                self.glider.centers[center].position = place
+            position = position_at(run, t)
+            self._pose(position, attitude_at(run, t))
+            self.ghost.place(t, position)
+            self.markers.place_centers(run, t)
             self._move_parts(run, t)
         self.server.flush()
+
+    def shown_at(self, attitude: Quaternion) -> None:
+        """Hear from a page how it shows the glider turned: a part that is dragged there moves along those axes."""
+        self._shown = attitude
 
     def _prepare_scene(self) -> None:
         scene, gui = self.server.scene, self.server.gui
         scene.set_up_direction("-z")
         scene.configure_default_lights(True, cast_shadow=False)
+        scene.configure_fog(*self._fog(None), color=rgb(palette.FOG))
         scene.set_background_image(_gradient(palette.WATER_TOP, palette.WATER_BOTTOM), format="png")
         gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, brand_color=(63, 167, 214))
+
+    def _fog(self, size: float | None) -> tuple[float, float]:
+        """Return where the water begins to hide things and where it does, m: further off for a path of some size."""
+        length = vehicle_length(self.session.design)
+        seen = FOG_OF_PATH * (0.0 if size is None else size)
+        return max(FOG[0] * length, seen), max(FOG[1] * length, 7.0 * seen)
 
     def _look(self, view: str) -> None:
         camera = self.server.initial_camera
@@ -151,33 +172,45 @@ class View:
 
     def _changed(self, _: Change) -> None:
         with self._lock, self.server.atomic():
-            self.form.update()
             self._redraw()
         self.server.flush()
 
     def _redraw(self) -> None:
         """Draw the newest document and run; what has not changed sends nothing."""
         design, run = self.session.design, self.session.run
+        self.glider.update(design, self.session.marks.hidden)
         if design is not self._drawn:
             self._drawn = design
-            self.glider.update(design)
-            initial = design.mission.initial
+            self.markers.update(design)
+        initial = design.mission.initial
+        if initial != self._initial:  # else a part that is dragged would throw the glider back to the start
+            self._initial = initial
             self._pose(initial.position, attitude_of(initial.roll, initial.pitch, initial.yaw))
+        self.glider.tell(self.moves.label, vehicle_length(design))
         sideways = design.mission.solver.model == "spatial"
         self.gizmo.update(self.session.selected_component, vehicle_length(design), sideways=sideways)
-        if run is not None and run is not self._drawn_run:
-            self._drawn_run = run
-            points = path_points(run)
-            self.water.show_path(points)
-            self.water.frame_around(design, points)
-        elif run is None:
+        self._redraw_run(design, run)
+        display = self.session.display
+        self.ghost.show(None if display.ghost is None else self.session.kept.get(display.ghost))
+
+    def _redraw_run(self, design: Design, run: Run | None) -> None:
+        if run is None:
             self.water.frame_around(design, np.array([design.mission.initial.position]))
+            return
+        drawn = run, self.session.display.color_by
+        if drawn == self._drawn_run:
+            return
+        self._drawn_run = drawn
+        chosen = curve_samples(run, MAX_POINTS[run.model])
+        points = points_at(run, chosen)
+        self.water.show_path(points, segment_colors(run, chosen, scale_of(run, drawn[1])))
+        self.water.frame_around(design, points)
 
     def _pose(self, position: Vector, attitude: Quaternion) -> None:
         """Let the water move past the glider, which stays in the middle of the scene."""
         x, y, z = position
         self.water.frame.position = (-x, -y, -z)
-        self.glider.frame.wxyz = attitude
+        self.glider.frame.wxyz = self._shown = attitude
 
     def _move_parts(self, run: Run, t: float) -> None:
         extensions = run.cell_values["extension"]
@@ -189,8 +222,7 @@ class View:
             if isinstance(part, Mover):
                 self.glider.place(i, *moved_to(part, extension))
             elif stack is not None and length is not None:
-                stretch = 1.0 + EXAGGERATION * (extension - part.neutral) / length
-                stack.scale = (max(stretch, SMALLEST_STRETCH), 1.0, 1.0)
+                stack.scale = breath(part, EXAGGERATION * (extension - part.neutral))
 
     def _select(self, index: int) -> None:
         try:
@@ -198,15 +230,12 @@ class View:
         except DesignError:
             log.debug("a part was clicked that is no longer there")
 
-    def _move_selected(self, position: Vector) -> None:
-        index = self.session.selected
-        place = [round(v, 5) for v in position]
-        if self.session.design.mission.solver.model == "planar":
-            place[1] = self.session.selected_component.position[1]
-        try:
-            self.session.set_field(f"/vehicle/components/{index}/position", place)
-        except DesignError:
-            log.debug("a dragged part was refused; the session tells why")
+    def _move_selected(self, phase: str, position: Vector) -> None:
+        if phase == "start":
+            self._grip = self.moves.take(self.session.selected)
+        elif self._grip is not None:
+            x, y, z = (round(v, 5) for v in position)
+            self.moves.put(self._grip, (x, y, z))
 
 
 def moved_to(part: Actuated, extension: float) -> tuple[Vector, Quaternion]:

@@ -11,26 +11,44 @@ from numpy.typing import NDArray
 
 from models.design import Design
 from models.run import Run
-from server.decimation import choose_samples
 from studio import grid, meshes, palette
-from studio.curves import curve_samples
+from studio.curves import MAX_POINTS, curve_samples
 from studio.grid import Lines, nice_step, segments
 from studio.palette import rgb
+from studio.path_colors import Scale, colors_of, linear
 from studio.scene import add_mesh, vehicle_length
+from studio.scene_current import current_arrows
 
 Array = NDArray[np.float64]
 
-MAX_PATH_POINTS = 2000
-
 
 def path_points(run: Run) -> Array:
-    """Return the path of the body origin, at most `MAX_PATH_POINTS` rows of x, y, z, m."""
-    x, z = run.values["x"], run.values["z"]
-    if run.model == "spatial":
-        chosen = curve_samples(run, MAX_PATH_POINTS)
-        return np.column_stack([x[chosen], run.values["y"][chosen], z[chosen]])
-    chosen = choose_samples([z, x], MAX_PATH_POINTS)
-    return np.column_stack([x[chosen], np.zeros(len(chosen)), z[chosen]])
+    """Return the path of the body origin at the samples of the page's curves, rows of x, y, z, m."""
+    return points_at(run, curve_samples(run, MAX_POINTS[run.model]))
+
+
+def points_at(run: Run, chosen: NDArray[np.int64]) -> Array:
+    """Return the path of the body origin at some samples."""
+    x, z = run.values["x"][chosen], run.values["z"][chosen]
+    return np.column_stack([x, run.values["y"][chosen] if run.model == "spatial" else np.zeros(len(chosen)), z])
+
+
+def segment_colors(run: Run, chosen: NDArray[np.int64], scale: Scale | None) -> NDArray[np.uint8]:
+    """Return the colours (n - 1, 2, 3) of the path's segments by a quantity, or in one colour without a scale."""
+    if scale is None:
+        return np.broadcast_to(linear(np.array(rgb(palette.PATH))), (max(len(chosen) - 1, 1), 2, 3))
+    colors = linear(colors_of(run.values[scale.name][chosen], scale))
+    line = colors if len(colors) > 1 else np.repeat(colors, 2, axis=0)
+    return np.stack([line[:-1], line[1:]], axis=1)
+
+
+def position_at(run: Run, t: float) -> tuple[float, float, float]:
+    """Return where the body origin is at a time, m."""
+
+    def now(name: str) -> float:
+        return float(np.interp(t, run.times, run.values[name])) if name in run.values else 0.0
+
+    return now("x"), now("y"), now("z")
 
 
 class WaterNodes:
@@ -43,16 +61,18 @@ class WaterNodes:
         self._frame_of: tuple[object, ...] | None = None
         self._fixed: list[Any] = []
         self._rungs: list[Any] = []
+        self._current: list[Any] = []
+        self._current_of: tuple[object, ...] | None = None
 
-    def show_path(self, points: Array) -> None:
-        """Draw the path."""
+    def show_path(self, points: Array, colors: NDArray[np.uint8]) -> None:
+        """Draw the path, each segment (n - 1, 2, 3) in its colours."""
         line = segments(points)
         if self._path is None:
             self._path = self._scene.add_line_segments(
-                "/world/path", line, rgb(palette.PATH), thickness=2.5, thickness_units="screen"
+                "/world/path", line, colors, thickness=3.0, thickness_units="screen"
             )
         else:
-            self._path.points = line
+            self._path.points, self._path.colors = line, colors
 
     def frame_around(self, design: Design, points: Array) -> None:
         """Draw surface, bed and lines of depth around a path; what is fixed anew only where the path outgrew it.
@@ -79,6 +99,7 @@ class WaterNodes:
             self._clear(wanted)
             self._draw("grid", grid.plane(low, high, begin, end, step=step, apart=3.5 * length), palette.DEPTH_LINE)
             self._add_sheets((begin, end), (-2.5 * length, 0.0), length, bed)
+        self._show_current(design, points)
 
     def _frame_space(self, design: Design, points: Array) -> None:
         length, bed = vehicle_length(design), design.mission.environment.bed_depth
@@ -89,6 +110,7 @@ class WaterNodes:
             self._draw("room", grid.room(low, high), palette.WALL_LINE)
             self._add_sheets((low[0], high[0]), (low[1], high[1]), length, bed)
         self._show_rungs(grid.rungs(points, length))
+        self._show_current(design, points)
 
     def _clear(self, wanted: tuple[object, ...]) -> None:
         self._frame_of = wanted
@@ -124,12 +146,38 @@ class WaterNodes:
             labels[k].text, labels[k].position = text, place
         self._rungs = [self._rungs[0], *labels]
 
+    def _show_current(self, design: Design, points: Array) -> None:
+        drawn = current_arrows(design.mission.environment.current, points, vehicle_length(design))
+        wanted = drawn.arrows.tobytes(), tuple(drawn.labels)
+        if wanted == self._current_of:
+            return
+        for node in self._current:
+            node.remove()
+        self._current, self._current_of = [], wanted
+        if not len(drawn.arrows):
+            return
+        length = vehicle_length(design)
+        self._current.append(
+            self._scene.add_arrows(
+                "/world/current", drawn.arrows, rgb(palette.CURRENT),
+                shaft_radius=0.008 * length, head_radius=0.03 * length, head_length=0.09 * length,
+            )
+        )  # fmt: skip
+        for k, label in enumerate(drawn.labels):
+            self._add_label(f"/world/current/label{k}", *label)
+
     def _add_sheets(self, x: tuple[float, float], y: tuple[float, float], length: float, bed: float | None) -> None:
         # beyond what is seen from any depth: an edge would look like a wall
         far = max(40.0 * length, 2.0 * (x[1] - x[0]), 2.0 * (y[1] - y[0]), 8.0 * (bed or 0.0))
         sheet = meshes.sheet((x[0] - far, x[1] + far), (y[0] - far, y[1] + far))
         # seen from below only: from above it would veil what lies under it
         self._fixed.append(add_mesh(self._scene, "/world/surface", sheet, palette.SURFACE, opacity=0.3, one_sided=True))
+        self._fixed.append(
+            self._scene.add_line_segments(
+                "/world/surface_grid", grid.level_grid(x, y, length), rgb(palette.SURFACE_LINE),
+                thickness=1.0, thickness_units="screen", position=(0.0, 0.0, -0.004 * length),
+            )  # a little above the surface, or the two would fight for who is in front
+        )  # fmt: skip
         if bed is not None:
             floor = add_mesh(self._scene, "/world/bed", sheet, palette.BED)
             floor.position = (0.0, 0.0, bed)

@@ -23,7 +23,17 @@ from server.errors import problem_response
 from server.jobs.service import Jobs
 from server.settings import Settings
 from server.store.designs import DesignStore
-from studio import job_pages, operations, proxy, run_operations, stored
+from studio import (
+    analysis_operations,
+    job_pages,
+    operations,
+    part_operations,
+    proxy,
+    replay_operations,
+    run_operations,
+    scene_operations,
+    stored,
+)
 from studio.access import (
     PAGE_HEADERS,
     Admitted,
@@ -51,8 +61,19 @@ def create_studio(
     """
     sessions = Sessions(settings.data / "sessions", limits=settings.limits)
     router = APIRouter(dependencies=[Depends(provide(sessions, settings)), Depends(stored.provide(store, jobs))])
-    for part in (pages, job_pages.router, stored.router, operations.router, run_operations.router, proxy.router):
-        router.include_router(part)
+    for part in (
+        job_pages,
+        stored,
+        operations,
+        part_operations,
+        replay_operations,
+        run_operations,
+        analysis_operations,
+        scene_operations,
+        proxy,
+    ):
+        router.include_router(part.router)
+    router.include_router(pages)
     return router, sessions
 
 

@@ -13,10 +13,13 @@ import pytest
 import uvicorn
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from models.presets import load_preset
 from models.warm import warm_kernel
 from server.settings import Settings
 from studio.serve import make_app, uvicorn_config
+from tests.browser.panel_page import PanelPage
 from tests.browser.studio_page import StudioPage
+from tests.studio.spiral import spiral_document
 
 FLAGS = [
     "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
@@ -83,3 +86,23 @@ def page(browser: Browser) -> Iterator[Page]:
 def studio(program: Program, page: Page) -> StudioPage:
     """The paper's preset, opened from the list of presets as a person does."""
     return StudioPage.open_preset(page, program.url, "canete-dual-bellows")
+
+
+@pytest.fixture
+def bare(page: Page) -> Page:
+    """A tab in which the 3D view stays empty."""
+    page.context.route("**/s/*/view/**", lambda route: route.fulfill(status=200, content_type="text/html", body=""))
+    page.context.route("**/s/*/clock", lambda route: route.fulfill(status=204))
+    return page
+
+
+@pytest.fixture
+def panel(program: Program, bare: Page) -> PanelPage:
+    """The paper's preset, without its 3D view."""
+    return PanelPage.open_document(bare, program.url, load_preset("canete-dual-bellows").model_dump(mode="json"))
+
+
+@pytest.fixture
+def spatial(program: Program, bare: Page) -> PanelPage:
+    """A glider that turns, without its 3D view."""
+    return PanelPage.open_document(bare, program.url, spiral_document(duration=20.0))

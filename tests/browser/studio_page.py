@@ -7,9 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from playwright.sync_api import FrameLocator, Locator, Page
-
-VISER_THROTTLE = 120  # ms; two widgets changed within viser's shared 50 ms window would lose the first
+from playwright.sync_api import Locator, Page
 
 
 class StudioPage:
@@ -54,9 +52,9 @@ class StudioPage:
         return self.page.url
 
     @property
-    def panel(self) -> FrameLocator:
-        """Viser's own document, with the panel of the components in it."""
-        return self.page.frame_locator("iframe")
+    def panel(self) -> Locator:
+        """The left panel: the list of parts and the fields."""
+        return self.page.locator("#parts")
 
     def wait_for_glide(self) -> None:
         self.page.wait_for_function("() => window.__studio?.state?.run")
@@ -78,14 +76,36 @@ class StudioPage:
 
     def row(self, label: str) -> Locator:
         """Return the row of a field in the panel, from its label."""
-        labels = self.panel.locator("label").filter(has_text=re.compile(rf"^{re.escape(label)}$"))
-        return labels.first.locator("xpath=ancestor::div[contains(@class,'Flex-root')][1]")
+        labels = self.panel.locator(".field-label").filter(has_text=re.compile(rf"^{re.escape(label)}$"))
+        return labels.first.locator("xpath=..")
+
+    def box(self, label: str) -> Locator:
+        """Return the box of a number in the panel."""
+        return self.row(label).locator("input.field-box").first
 
     def type_number(self, label: str, value: float | str) -> None:
-        box = self.row(label).locator("input:not([type=hidden])").first
-        box.fill(str(value))
-        box.press("Enter")
-        self.page.wait_for_timeout(VISER_THROTTLE)
+        """Type a number in the unit that the row shows, or with one of its own."""
+        self.box(label).fill(str(value))
+        self.box(label).press("Enter")
+
+    def choose(self, label: str, option: str) -> None:
+        self.row(label).locator("select.field-choice").select_option(label=option)
+
+    def open_section(self, name: str) -> Locator:
+        """Open a section below the selected part's fields: vehicle, mass, water, start, mission, control or design."""
+        section = self.page.get_by_test_id(f"section-{name}")
+        if section.get_attribute("open") is None:
+            section.locator("summary").first.click()
+        return section
+
+    def part(self, name: str) -> Locator:
+        """Return a part's row in the list."""
+        return self.page.get_by_test_id(f"part-{name}")
+
+    def add_part(self, kind: str) -> None:
+        """Add a part by the words of the palette, such as Piston."""
+        self.page.get_by_test_id("parts-add").click()
+        self.page.get_by_role("menuitem", name=kind, exact=True).click()
 
     def wait_until(self, condition: Callable[[], bool], *, seconds: float = 20.0) -> None:
         deadline = time.monotonic() + seconds

@@ -111,9 +111,8 @@ def test_the_model_is_chosen_in_the_panel_and_told_what_is_missing(program, page
     document["vehicle"]["mass_properties"]["inertia"] |= {"xx": 1e-3, "zz": 1e-2}
     studio = StudioPage.open_document(page, program.url, document)
     expect(page.get_by_test_id("readout-roll")).to_be_hidden()
-    studio.panel.get_by_text("Solver", exact=True).click()
-    studio.row("Model").locator("input:not([type=hidden])").first.click()
-    studio.panel.get_by_role("option", name="spatial").click()
+    studio.open_section("mission")
+    studio.choose("Model", "spatial")
     studio.wait_until(lambda: studio.state("s.run.model") == "spatial")
     expect(page.get_by_test_id("readout-roll")).to_be_visible()
     expect(page.get_by_test_id("readout-distance")).to_be_hidden()

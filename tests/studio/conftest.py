@@ -17,6 +17,7 @@ from models.presets import load_preset
 from models.warm import warm_kernel
 from server.errors import install_error_handlers
 from server.jobs.service import Jobs
+from server.running import Runner
 from server.settings import Settings
 from server.store.designs import DesignStore
 from studio.registry import Sessions
@@ -75,6 +76,7 @@ def make_app(
 ) -> tuple[FastAPI, Sessions]:
     router, sessions = create_studio(settings, store=store, jobs=jobs)
     app = FastAPI(lifespan=lambda _: running(sessions))
+    app.state.runner = Runner()
     install_error_handlers(app)
     app.include_router(router)
     return app, sessions

@@ -62,6 +62,10 @@ class RawClient:
                     self.messages.append(message | {"at": at, "arrays": decoded["arrays"]})
                 self._news.notify_all()
 
+    @property
+    def session_id(self) -> str:
+        return self._url.split("/")[-2]
+
     async def send(self, **message: Any) -> None:
         await self._socket.send(msgspec.msgpack.encode(message))
 
@@ -76,11 +80,3 @@ class RawClient:
             message = found()
         assert message is not None
         return message
-
-    async def widget(self, label: str) -> str:
-        """Return the id of the newest widget with a label."""
-        await self.wait_for(lambda m: m.get("props", {}).get("label") == label)
-        return str([m["uuid"] for m in self.messages if m.get("props", {}).get("label") == label][-1])
-
-    async def set_widget(self, uuid: str, value: Any) -> None:
-        await self.send(type="GuiUpdateMessage", uuid=uuid, updates={"value": value})

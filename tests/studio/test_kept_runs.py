@@ -29,19 +29,19 @@ def run(kernel: None) -> Run:
 
 
 def test_a_kept_run_stays_while_the_design_goes_on(opened: httpx.Client) -> None:
-    before = opened.get("runs/current/columns", params={"names": "z"}).json()
+    before = opened.get("runs/current/columns", params={"name": "z"}).json()
     kept = opened.post("runs", json={"name": "Before"}).json()["id"]
     number = opened.get("state").json()["run"]["number"]
     opened.post("edit", json={"patch": [{"op": "replace", "path": "/mission/initial/pitch", "value": 0.2}]})
     wait_until(lambda: opened.get("state").json()["run"]["number"] > number)
-    assert opened.get(f"runs/{kept}/columns", params={"names": "z"}).json() == before
-    assert opened.get("runs/current/columns", params={"names": "z"}).json() != before
+    assert opened.get(f"runs/{kept}/columns", params={"name": "z"}).json() == before
+    assert opened.get("runs/current/columns", params={"name": "z"}).json() != before
     assert [item["name"] for item in opened.get("state").json()["kept"]] == ["Before"]
     assert opened.patch(f"runs/{kept}", json={"name": "Heavier  before"}).status_code == 204
     assert opened.get("state").json()["kept"][0]["name"] == "Heavier before"
     assert opened.delete(f"runs/{kept}").status_code == 204
     assert opened.get("state").json()["kept"] == []
-    gone = opened.get(f"runs/{kept}/columns", params={"names": "z"})
+    gone = opened.get(f"runs/{kept}/columns", params={"name": "z"})
     assert gone.status_code == 404
     assert opened.delete(f"runs/{kept}").status_code == 404
 
@@ -50,7 +50,7 @@ def test_bad_requests_are_told(opened: httpx.Client) -> None:
     for answer, pointer in [
         (opened.post("runs", json={"name": 7}), "/name"),
         (opened.post("runs", json={"name": "x" * (LONGEST_NAME + 1)}), "/name"),
-        (opened.get("runs/current/columns", params={"names": ","}), "/names"),
+        (opened.get("runs/current/columns", params={"name": ""}), "/name"),
     ]:
         assert answer.status_code == 422
         assert answer.json()["errors"][0]["pointer"] == pointer

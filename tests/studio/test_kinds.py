@@ -1,4 +1,4 @@
-"""Every kind of water, current and force data has its panel, its state and its picture of the forces."""
+"""Every kind of water, current and force data has its fields, its state and its picture of the forces."""
 
 from __future__ import annotations
 
@@ -9,17 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic_core import to_json
 
 from models.design import Design, parse_design
 from models.hydrodynamics_angles import AngleTable
 from models.presets import load_preset, preset_ids
 from models.water import gravity_of, surface_density
-from studio.panel.component_rows import component_rows
-from studio.panel.force_rows import damping_rows, hydrodynamics_rows
-from studio.panel.mass_rows import mass_rows
-from studio.panel.mission_rows import mission_rows, solver_rows, water_rows
-from studio.panel.rows import Row
-from studio.panel.schedule_rows import schedule_rows
+from studio.part_fields import fields_of
 from studio.polar import polar_document
 from studio.session import Session
 from studio.state import state_of
@@ -28,40 +24,29 @@ from tests.studio.conftest import Studio, wait_until
 from tests.studio.sources import angle_table, documents
 from tests.studio.spiral import spiral
 
-SECTIONS: tuple[Callable[[Design], list[Row]], ...] = (
-    mass_rows, hydrodynamics_rows, damping_rows, water_rows, mission_rows, solver_rows,
-)  # fmt: skip
-
-
-def rows_of(design: Design) -> list[Row]:
-    parts = range(len(design.vehicle.components))
-    return [
-        *(row for section in SECTIONS for row in section(design)),
-        *(row for i in parts for row in (*component_rows(design, i), *schedule_rows(design, i))),
-    ]
-
-
-def row(design: Design, label: str) -> Row:
-    return next(row for row in rows_of(design) if row.label == label)
-
-
 DESIGNS = {name: parse_design(document) for name, document in documents().items()}
 DESIGNS |= {name: load_preset(name) for name in preset_ids()}
 
 
+def numbers_in(node: Any) -> Iterator[float]:
+    if isinstance(node, dict):
+        yield from (n for value in node.values() for n in numbers_in(value))
+    elif isinstance(node, list | tuple):
+        yield from (n for value in node for n in numbers_in(value))
+    elif isinstance(node, float):
+        yield node
+
+
 @pytest.mark.parametrize("name", DESIGNS)
-def test_no_section_is_empty_and_every_row_shows_and_writes_back_what_it_shows(name: str) -> None:
+def test_the_fields_are_few_and_what_follows_from_them_is_finite(name: str) -> None:
     design = DESIGNS[name]
-    for section in SECTIONS:
-        rows = section(design)
-        assert rows
-    for row in rows_of(design):
-        shown = row.show(design)
-        if row.widget in ("note", "text"):
-            assert str(shown).strip()
-        if row.widget in ("slider", "number", "readout"):
-            assert math.isfinite(shown)
-            assert row.unit.symbol or row.label.startswith("Pleats")
+    fields = fields_of(design)
+    facts = fields["facts"]
+    assert all(math.isfinite(n) for n in numbers_in(facts))
+    assert facts["forces"][0] == design.vehicle.hydrodynamics.provenance.title
+    assert bool(facts["water"]) == (design.mission.environment.water.kind != "uniform")
+    assert len(to_json(fields)) < 24_000, "a page fetches them after each edit"
+    assert facts["start"].keys() == facts["stroke"].keys() == {part.name for _, part in design.vehicle.actuated}
 
 
 @pytest.mark.parametrize("name", DESIGNS)
@@ -160,35 +145,3 @@ def test_the_lateral_data_that_are_missing_are_told(studio: Studio) -> None:
         told = client.get(f"{url}state").json()["warnings"]
         assert any(w["pointer"] == "/vehicle/hydrodynamics/lateral" for w in told)
         assert "sideslip" in client.get(f"{url}polar").json()["sideways"]
-
-
-def test_lateral_rows_are_there_in_three_dimensions_only() -> None:
-    spatial = {row.label for row in rows_of(spiral())}
-    planar = {row.label for row in rows_of(load_preset("canete-dual-bellows"))}
-    extra = {
-        "Position y", "Initial roll", "Initial yaw", "Surface", "Bed contact", "Current", "Hotel load",
-        "Inertia in roll", "Inertia in yaw", "CoM y", "Sway damping", "Efficiency",
-    }  # fmt: skip
-    assert extra <= spatial
-    assert not extra & planar
-
-
-def test_angles_of_what_rolls_are_in_degrees() -> None:
-    design = spiral()
-    assert row(design, "Angle 1").show(design) == pytest.approx(45.0)
-    assert row(design, "Angle 1").unit.symbol == "°"
-    (patch,) = row(design, "Angle to").patch(design, 90.0)
-    assert patch["value"] == pytest.approx(math.pi / 2.0, abs=1e-9)
-
-
-def test_the_model_is_a_choice_and_the_current_two_numbers(open_session: Callable[[Design], Session]) -> None:
-    session = open_session(spiral(duration=5.0))
-    session.edit(row(session.design, "Current").patch(session.design, "uniform"))
-    session.edit(row(session.design, "Current east").patch(session.design, 12.0))
-    current = session.design.mission.environment.current
-    assert current is not None and current.kind == "uniform"
-    assert current.velocity == (0.0, 0.12)
-    assert row(session.design, "Current").patch(session.design, "uniform") == []
-    session.edit(row(session.design, "Current").patch(session.design, "none"))
-    assert session.design.mission.environment.current is None
-    assert row(session.design, "Model").show(session.design) == "spatial"

@@ -141,6 +141,21 @@ def test_edits_undo_files_and_state_agree(studio: Studio) -> None:
         assert found.design.vehicle.components[1].position[0] == 0.17
 
 
+def test_edits_of_one_gesture_are_one_step_of_undo_however_slow(studio: Studio) -> None:
+    client, _ = studio.open()
+    with closing(client):
+        before = client.get("design.json").text
+        for length in (15.0, 16.0, 17.0):
+            patch = [{"op": "replace", "path": "/mission/duration", "value": length}]
+            assert client.post("edit", json={"patch": patch, "gesture": "a drag"}).status_code == 200
+            patch[0] |= {"path": "/name", "value": f"Dragged to {length:g}"}  # other fields: no merging by those
+            assert client.post("edit", json={"patch": patch, "gesture": "a drag"}).status_code == 200
+        client.post("undo")
+        assert client.get("design.json").text == before
+        refused = client.post("edit", json={"patch": [], "gesture": 3})
+        assert refused.status_code == 422 and refused.json()["errors"][0]["pointer"] == "/gesture"
+
+
 def test_a_refused_edit_is_told_and_the_last_good_glide_stays(studio: Studio) -> None:
     client, _ = studio.open()
     with closing(client):

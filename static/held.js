@@ -1,0 +1,25 @@
+// The holds of the schedule: which one is in force at a moment, and how its times are written.
+
+import { clockText } from "./format.js";
+
+// The hold whose stretch began last before t; the first one before any has begun. {hold, index, span} or null.
+export function heldAt(consequences, t) {
+  let found = null;
+  for (const [index, hold] of (consequences?.holds ?? []).entries()) {
+    for (const span of hold.spans) {
+      const begun = span[0] <= t + 1e-9;
+      const better = !found || (begun ? found.span[0] > t || span[0] > found.span[0] : found.span[0] > t && span[0] < found.span[0]);
+      if (better) found = { hold, index, span };
+    }
+  }
+  return found;
+}
+
+const digitsOf = (t) => (Number.isInteger(t) ? 0 : 1);
+
+export const spanText = ([from, to], end) => `${clockText(from, end, { unit: false, digits: digitsOf(from) })}–${clockText(to, end, { digits: digitsOf(to) })}`;
+
+export function spansText(spans, end) {
+  const [first] = spans;
+  return spans.length > 1 ? `${spanText(first, end)} and ${spans.length - 1} more` : spanText(first, end);
+}

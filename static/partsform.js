@@ -1,0 +1,128 @@
+// The fields of the selected part, and the sections of the rest of the document below them.
+
+import { el, setText, swatch } from "./dom.js";
+import { Items } from "./fieldrows.js";
+import { wordOf } from "./fieldwords.js";
+import { hideHelp } from "./fieldhelp.js";
+import { iconOf, kindIcon } from "./partsicons.js";
+import { SECTIONS, partItems } from "./partsections.js";
+
+const KEY = "glider-studio.sections";
+const SCHEDULE = /^\/mission\/control\/schedules\/(\d+)/;
+const PART = /^\/vehicle\/components\/(\d+)/;
+
+function readOpen() {
+  try {
+    return new Set(JSON.parse(localStorage.getItem(KEY)) ?? []);
+  } catch {
+    return new Set(); // storage may be forbidden
+  }
+}
+
+export class PartsForm {
+  // hooks: change(spec, value), press(name), unlock()
+  constructor(root, hooks) {
+    Object.assign(this, { root, hooks, ctx: null, open: readOpen() });
+    const env = (locked) => ({ change: hooks.change, press: hooks.press, locked, colorNow: () => this.part?.color ?? "#808080" });
+    this.color = swatch("");
+    this.icon = el("span", { class: "part-kind" });
+    this.title = el("span", { class: "form-name" });
+    this.kind = el("span", { class: "form-kind" });
+    this.lockNote = el("p", { class: "lock-note", "data-testid": "locked", hidden: true }, "Locked. ", el("button", { type: "button", class: "link", onclick: hooks.unlock }, "Unlock"));
+    const body = el("div", { class: "field-body" });
+    this.fields = new Items(body, env(() => Boolean(this.part?.locked)));
+    const heading = el("h2", { class: "form-head", "data-testid": "form-title" }, this.color, this.icon, this.title, this.kind);
+    root.append(el("section", { class: "form-part", "aria-label": "Selected part", "data-testid": "part-fields" }, heading, this.lockNote, body));
+    this.sections = SECTIONS.map((section) => this.made(section, env(() => false)));
+    root.addEventListener("scroll", hideHelp);
+  }
+
+  made(section, env) {
+    const body = el("div", { class: "field-body" });
+    const brief = el("span", { class: "section-brief" });
+    const root = el("details", { class: "section", "data-testid": `section-${section.id}` }, el("summary", {}, el("span", {}, section.label), brief), body);
+    root.open = this.open.has(section.id);
+    const items = new Items(body, env);
+    root.addEventListener("toggle", () => {
+      this.remember(section.id, root.open);
+      this.drawSection(made);
+    });
+    const made = { ...section, root, brief, content: items };
+    this.root.append(root);
+    return made;
+  }
+
+  remember(id, open) {
+    if (open) this.open.add(id);
+    else this.open.delete(id);
+    try {
+      localStorage.setItem(KEY, JSON.stringify([...this.open]));
+    } catch {
+      // It holds until the page closes.
+    }
+  }
+
+  get part() {
+    return this.ctx?.state.components.find(({ name }) => name === this.ctx.design.vehicle.components[this.ctx.index]?.name) ?? null;
+  }
+
+  // ctx: the document's fields and facts, the schema, the state, and the index of the selected part in the document.
+  update(ctx) {
+    this.ctx = ctx;
+    this.draw();
+  }
+
+  draw() {
+    if (!this.ctx) return;
+    const part = this.ctx.design.vehicle.components[this.ctx.index];
+    const row = this.part;
+    setText(this.title, part.name);
+    setText(this.kind, wordOf(part.kind));
+    this.color.style.background = row?.color ?? "";
+    this.color.closest("section").style.setProperty("--cell", row?.color ?? null);
+    const icon = iconOf(row ?? part);
+    if (this.drawnIcon !== icon) this.icon.replaceChildren(kindIcon((this.drawnIcon = icon)));
+    this.lockNote.hidden = !row?.locked;
+    this.fields.update(partItems(this.ctx), this.ctx.revision);
+    for (const section of this.sections) this.drawSection(section);
+  }
+
+  // A closed section has no rows: it is made when somebody opens it.
+  drawSection({ root, brief, briefOf, content, items }) {
+    if (!this.ctx) return;
+    setText(brief, briefOf(this.ctx));
+    content.update(root.open ? items(this.ctx) : [], this.ctx.revision);
+  }
+
+  // The index of the part that a pointer belongs to, or null.
+  partOf(pointer) {
+    const index = PART.exec(pointer)?.[1];
+    if (index !== undefined) return Number(index);
+    const schedule = this.ctx?.design.mission.control.schedules[SCHEDULE.exec(pointer)?.[1]];
+    const found = schedule ? this.ctx.design.vehicle.components.findIndex(({ name }) => name === schedule.cell) : -1;
+    return found < 0 ? null : found;
+  }
+
+  // Opens what holds a field, and gives it the focus; false where there is none.
+  focus(pointer) {
+    const section = this.partOf(pointer) === null ? this.sections.find(({ holds }) => holds.test(pointer)) : null;
+    if (section) {
+      section.root.open = true;
+      this.drawSection(section);
+    }
+    const found = (section ? section.content : this.fields).find(pointer) ?? section?.root;
+    if (!found) return false;
+    found.scrollIntoView({ block: "center" });
+    const control = found.matches("details") ? found.querySelector("summary") : (entryOf(found, pointer) ?? found.querySelector("input, select, textarea, button"));
+    control?.focus({ preventScroll: true });
+    found.classList.remove("flash");
+    requestAnimationFrame(() => found.classList.add("flash"));
+    return true;
+  }
+}
+
+// The entry of a vector that a pointer ends in.
+function entryOf(row, pointer) {
+  const rest = pointer.slice((row.dataset.pointer ?? "").length + 1);
+  return /^\d+$/.test(rest) ? row.querySelectorAll(".field-entry input")[Number(rest)] : null;
+}

@@ -1,0 +1,163 @@
+"""Owns what a design's consequences give reason to warn of: trims that fail, margins lost, stops met, little reserve.
+
+Each warning tells the inequality with its numbers, what to do, the field it is about, and when it holds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from models.components import Bladder, Piston, RollingMass, extension_unit
+from models.design import Design
+from models.operating_point import down_in_body
+from models.problems import Problem, pointer_to
+from models.stability import stretches_lost, worst_of
+from studio.holds import Span
+
+if TYPE_CHECKING:
+    from studio.consequences import CellReach, Margins
+    from studio.held_glides import HeldGlide
+
+LITTLE = 0.1
+"""Share of what the cells change net buoyancy by, in all, that should be left on the other side of neutral."""
+MOST_TIMES = 12
+OF_MARGINS = ("pitch_stiffness", "pitch_margin", "yaw_margin")
+"""Margins warned of here; that weight lies above buoyancy is told by the run's own warnings."""
+MARGIN_HINTS = {
+    "pitch_stiffness": "place weight lower, or cells so that they swell higher",
+    "pitch_margin": "move the wing or the fins aft, or weight forward",
+    "yaw_margin": "add a vertical fin aft, or move weight forward",
+}
+
+
+@dataclass(frozen=True)
+class Warned:
+    """A warning with its severity, `bad` or `warn` or `note`, and the stretches of the run (s) in which it holds."""
+
+    severity: str
+    problem: Problem
+    times: tuple[Span, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the warning as the page shows it."""
+        return self.problem.as_dict() | {"severity": self.severity, "times": self.times[:MOST_TIMES]}
+
+
+def severity_of(problem: Problem) -> str:
+    """Return how much a warning of a run counts: a run that is not accurate tells nothing at all."""
+    return "bad" if problem.pointer.startswith("/mission/solver") else "warn"
+
+
+def warnings_of(
+    design: Design, glides: Sequence[HeldGlide], margins: Margins | None, cells: Sequence[CellReach]
+) -> Iterator[Warned]:
+    """Yield everything to warn of, the hold's trims first."""
+    for glide in glides:
+        yield from _of_trim(design, glide)
+    yield from _of_reserve(design, glides)
+    if margins is not None:
+        yield from _of_margins(margins, steady=all(glide.trim is not None and glide.trim.stable for glide in glides))
+    for cell in cells:
+        yield from _of_stop(design, cell)
+
+
+def times_in_words(spans: Sequence[Span]) -> str:
+    """Return stretches of time in words, s."""
+    told = ", ".join(f"{start:.4g} to {end:.4g} s" for start, end in spans[:3])
+    return told if len(spans) <= 3 else f"{told} and {len(spans) - 3} more"
+
+
+def _of_trim(design: Design, glide: HeldGlide) -> Iterator[Warned]:
+    held, trim = times_in_words(glide.hold.spans), glide.trim
+    if trim is not None and not trim.stable:
+        doubles = f", they double in {math.log(2.0) / trim.growth:.3g} s" if trim.growth > 1e-6 else ""
+        message = (
+            f"no trim with the cells as held {held} is stable: small motions grow by {trim.growth:.3g} 1/s{doubles}"
+        )
+        hint = "see which one in the modes; a fin, or weight placed lower, steadies most"
+        yield Warned("bad", Problem("/vehicle/components", message, 0.0, hint), glide.hold.spans)
+    elif trim is not None and down_in_body(trim.roll, trim.pitch)[2] < 0.0:
+        message = (
+            f"with the cells as held {held} the only glide it settles in is upside down: pitch "
+            f"{math.degrees(trim.pitch):.0f} deg, roll {math.degrees(trim.roll):.0f} deg"
+        )
+        yield Warned("bad", Problem("/vehicle/components", message, 90.0, "place weight lower"), glide.hold.spans)
+    elif trim is None and glide.why is not None and glide.searched:
+        schedules = design.mission.control.schedules
+        pointer = "/mission/control/schedules/0" if schedules else "/mission/initial/extensions"
+        message = f"there is no steady glide with the cells as held {held}: {glide.why}"
+        hint = "command extensions that make it heavier or lighter than the water"
+        yield Warned("warn", Problem(pointer, message, None, hint), glide.hold.spans)
+
+
+def _of_reserve(design: Design, glides: Sequence[HeldGlide]) -> Iterator[Warned]:
+    """Warn where all cells together hardly bring net buoyancy to the other side of neutral, in the worst water met."""
+    if not glides:
+        return
+    low, high = (max if down else min for down in (True, False))
+    least = low(glide.reserve.least for glide in glides)
+    most = high(glide.reserve.most for glide in glides)
+    span = most - least
+    if span <= 0.0:
+        return
+    for reached, sign, what, way in (
+        (most, 1.0, "light", "rise"), (-least, -1.0, "heavy", "sink"),
+    ):  # fmt: skip
+        if reached >= LITTLE * span:
+            continue
+        message = (
+            f"with every cell as {what} as its stops allow net buoyancy is {sign * reached:+.3g} N, "
+            f"{'less' if sign > 0 else 'more'} than {sign * LITTLE * span:+.3g} N, a tenth of what the cells change"
+        )
+        hint = (
+            f"{'it can hardly' if reached > 0.0 else 'it cannot'} {way}: "
+            f"{'make it lighter' if sign > 0 else 'make it heavier'}, trim the ballast, or give cells longer strokes"
+        )
+        yield Warned("warn" if reached > 0.0 else "bad", Problem("/vehicle/components", message, LITTLE * span, hint))
+
+
+def _of_margins(margins: Margins, *, steady: bool) -> Iterator[Warned]:
+    for quantity in margins.quantities:
+        if quantity.name not in OF_MARGINS:
+            continue
+        values = margins.series[quantity.name]
+        lost = stretches_lost(quantity, margins.times, values)
+        worst = worst_of(quantity, margins.times, values)
+        if not lost or worst is None:
+            continue
+        unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+        meanwhile = "; the trims are stable all the same" if steady else ""
+        message = (
+            f"{quantity.words} is below 0 from {times_in_words(lost)}, at worst {worst.value:.3g}{unit} at "
+            f"{worst.time:.4g} s{meanwhile}"
+        )
+        problem = Problem(quantity.pointer, message, 0.0, MARGIN_HINTS[quantity.name])
+        yield Warned("note" if steady else "warn", problem, tuple(lost))
+
+
+def _of_stop(design: Design, cell: CellReach) -> Iterator[Warned]:
+    for side, stop, spans in (("lower", cell.low, cell.at_low), ("upper", cell.high, cell.at_high)):
+        if not spans:
+            continue
+        index, part = next((i, part) for i, part in design.vehicle.actuated if part.name == cell.name)
+        shown = f"{stop * 1e3:.4g} mm" if extension_unit(part) == "m" else f"{math.degrees(stop):.4g} deg"
+        message = f"'{cell.name}' is at its {side} stop, {shown}, from {times_in_words(spans)}"
+        field = stop_field(part)
+        hint = f"ask for less, or {'lower' if side == 'lower' else 'raise'} the stop"
+        pointer = pointer_to("vehicle", "components", index, field)
+        yield Warned("note", Problem(pointer, message, stop, hint), tuple(spans))
+
+
+def stop_field(part: object) -> str:
+    """Return the field that sets the stops of a part."""
+    match part:
+        case Piston():
+            return "volume_range"
+        case Bladder():
+            return "extensions"
+        case RollingMass():
+            return "angle_range"
+    return "extension_range"

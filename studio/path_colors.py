@@ -1,0 +1,93 @@
+"""Owns the colours of a path by a quantity of its run: which there are, over which range, and how each value looks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.run import Run
+from studio.palette import PATH_SCALE, rgb
+
+Array = NDArray[np.float64]
+
+QUANTITIES = {
+    "z": "Depth",
+    "speed": "Speed",
+    "alpha": "Attack angle",
+    "beta": "Sideslip",
+    "theta": "Pitch",
+    "phi": "Roll",
+    "net_buoyancy": "Net buoyancy",
+    "turn_rate": "Turn rate",
+    "battery_energy": "Energy used",
+}
+"""What may colour a path, in the page's words; a planar run has not all of them."""
+TAIL = 5.0
+"""Percent of a run, at either end of what it goes through, that may lie beyond the scale."""
+OUTLYING = 2.0
+"""A scale leaves the tails out where with them it would span this many times as much."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """The range over which colours change; `below` and `above` tell that the run goes beyond it."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    below: bool
+    above: bool
+
+    def document(self) -> dict[str, Any]:
+        """Return what the page's legend needs."""
+        return {
+            "name": self.name, "label": QUANTITIES[self.name], "unit": self.unit, "low": self.low, "high": self.high,
+            "below": self.below, "above": self.above,
+        }  # fmt: skip
+
+
+def quantities_of(run: Run) -> list[dict[str, str]]:
+    """Return name and label of what can colour this run's path."""
+    return [{"name": name, "label": label} for name, label in QUANTITIES.items() if name in run.values]
+
+
+def scale_of(run: Run, name: str | None) -> Scale | None:
+    """Return the scale of a quantity along a run; None where the run has none of it.
+
+    The short transient after the launch would take all the colours from the glide, so rare values may lie beyond.
+    """
+    if name is None or name not in run.values:
+        return None
+    values = run.values[name]
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return None
+    least, most = float(known.min()), float(known.max())
+    low, high = (float(v) for v in np.percentile(known, [TAIL, 100.0 - TAIL]))
+    if most - least <= OUTLYING * (high - low) or high <= low:
+        low, high = least, most
+    return Scale(name, run.variables[name][0], low, high, below=least < low, above=most > high)
+
+
+def colors_of(values: Array, scale: Scale) -> NDArray[np.uint8]:
+    """Return the colour of each value (n, 3); what is not a number has that of the middle."""
+    span = scale.high - scale.low
+    share = np.full(len(values), 0.5) if span <= 0.0 else np.clip((values - scale.low) / span, 0.0, 1.0)
+    stops = np.array([rgb(color) for color in PATH_SCALE], dtype=np.float64)
+    at = np.where(np.isfinite(share), share, 0.5) * (len(stops) - 1)
+    channels = [np.interp(at, np.arange(len(stops)), column) for column in stops.T]
+    return np.column_stack(channels).round().astype(np.uint8)
+
+
+def linear(colors: NDArray[Any]) -> NDArray[np.uint8]:
+    """Return channels as Viser's client takes a colour for each end of a line: as light, not as #rrggbb.
+
+    It would show #rrggbb paler; one colour for the whole of a line it takes as it is written.
+    """
+    share = np.asarray(colors, dtype=np.float64) / 255.0
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return np.asarray((255.0 * light).round(), dtype=np.uint8)

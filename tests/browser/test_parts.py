@@ -1,0 +1,176 @@
+"""The list of parts: added, mirrored, named, put in order, locked and hidden, by mouse and by keys."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from playwright.sync_api import expect
+
+from studio.part_kinds import NAMES
+
+pytestmark = pytest.mark.browser
+
+PALETTE = {**NAMES, "rigid": "Rigid part"}
+
+
+def test_each_kind_of_the_palette_is_added_and_selected(spatial):
+    for kind, name in NAMES.items():
+        before = spatial.names()
+        spatial.add_part(PALETTE[kind])
+        spatial.wait_until(lambda before=before: len(spatial.names()) == len(before) + 1)
+        added = spatial.names()[-1]
+        assert added.startswith(name)
+        expect(spatial.page.get_by_test_id("form-title")).to_contain_text(added)
+        expect(spatial.part(added)).to_have_attribute("aria-selected", "true")
+    parts = spatial.document()["vehicle"]["components"][-len(NAMES) :]
+    assert {part["kind"] for part in parts} >= {"rigid", "bellows", "piston", "bladder", "movable_mass", "rolling_mass"}
+    assert all(part["mass"] > 0.0 for part in parts)
+    shapes = [shape["kind"] for part in parts for shape in part["shapes"]]
+    assert "wing" in shapes and "fin" in shapes
+
+
+def test_what_rolls_cannot_be_added_in_the_plane_and_the_palette_says_why(panel):
+    panel.page.get_by_test_id("parts-add").click()
+    item = panel.page.get_by_role("menuitem", name="Rolling mass")
+    expect(item).to_be_disabled()
+    expect(item).to_contain_text("spatial model")
+    panel.key("Escape")
+    expect(panel.page.get_by_test_id("parts-menu")).to_have_count(0)
+    expect(panel.page.get_by_test_id("parts-add")).to_be_focused()
+
+
+def test_a_part_is_mirrored_and_both_are_told_as_partners(spatial):
+    spatial.add_part("Piston")
+    spatial.wait_until(lambda: "Piston" in spatial.names())
+    spatial.page.get_by_test_id("parts-mirror").click()
+    problem = spatial.page.get_by_test_id("problem")
+    expect(problem).to_contain_text("stands in the plane of symmetry")
+    spatial.type_number("Position y", "60")
+    spatial.wait_until(lambda: spatial.document()["vehicle"]["components"][3]["position"][1] == pytest.approx(0.06))
+    spatial.page.get_by_test_id("parts-mirror").click()
+    spatial.wait_until(lambda: spatial.names()[-2:] == ["Piston starboard", "Piston port"])
+    assert spatial.state("s.components.slice(-2).map(c => c.partner)") == [4, 3]
+    image = spatial.document()["vehicle"]["components"][4]
+    assert image["position"][1] == pytest.approx(-0.06)
+    expect(spatial.part("Piston port")).to_have_attribute("aria-label", re.compile("mirrors Piston starboard"))
+
+
+def test_a_mirrored_part_takes_the_opposite_schedule_along(spatial):
+    spatial.edit({"op": "replace", "path": "/vehicle/components/2/position/1", "value": 0.05})
+    spatial.wait_until(lambda: spatial.state("s.components[2].position[1]") == 0.05)
+    spatial.part("Engine").click(button="right")
+    spatial.page.get_by_role("menuitem", name="Mirror with the opposite schedule").click()
+    spatial.wait_until(lambda: len(spatial.names()) == 4)
+    schedules = {s["cell"]: s["points"] for s in spatial.document()["mission"]["control"]["schedules"]}
+    own, other = schedules["Engine starboard"][0], schedules["Engine port"][0]
+    assert other["extension"] == pytest.approx(-own["extension"])
+
+
+def test_a_part_is_renamed_in_place_with_what_names_it(panel):
+    panel.part("Front bellows").dblclick()
+    box = panel.page.get_by_test_id("part-rename")
+    box.fill("Rear bellows")
+    box.press("Enter")
+    expect(panel.page.get_by_test_id("problem")).to_contain_text("both named")
+    expect(box).to_have_attribute("aria-invalid", "true")
+    box.fill("Nose <img src=x>")
+    box.press("Enter")
+    panel.wait_until(lambda: panel.names()[1] == "Nose <img src=x>")
+    assert panel.document()["mission"]["control"]["schedules"][0]["cell"] == "Nose <img src=x>"
+    assert panel.panel.locator("img").count() == 0
+    panel.key("F2")
+    box.fill("Another")
+    box.press("Escape")
+    assert panel.names()[1] == "Nose <img src=x>"
+
+
+def test_parts_are_put_in_order_by_mouse_and_by_keys(panel):
+    panel.part("Rear bellows").drag_to(panel.part("Body"), target_position={"x": 60, "y": 3})
+    panel.wait_until(lambda: panel.names() == ["Rear bellows", "Body", "Front bellows"])
+    colors = panel.state("s.components.map(c => c.color)")
+    assert panel.state("s.selected") == 0
+    panel.focus_tree()
+    panel.key("Alt+ArrowDown")
+    panel.wait_until(lambda: panel.names() == ["Body", "Rear bellows", "Front bellows"])
+    assert panel.state("s.components.map(c => c.color)") == [colors[1], colors[0], colors[2]]
+    assert panel.state("s.selected") == 1
+
+
+def test_a_locked_part_is_refused_everywhere_until_it_is_unlocked(panel):
+    page, design = panel.page, panel.document()
+    panel.part("Front bellows").hover()
+    page.get_by_role("button", name="Lock Front bellows").click()
+    panel.wait_until(lambda: panel.state("s.components[1].locked") is True)
+    expect(panel.box("Mass")).to_be_disabled()
+    address = panel.url.split("?")[0]
+    origin = "/".join(address.split("/")[:3])
+    patch = [{"op": "replace", "path": "/mission/control/schedules/0/points/1/extension", "value": 0.0168}]
+    answer = page.request.post(f"{address}edit", data={"patch": patch}, headers={"Origin": origin})
+    assert answer.status == 422
+    (error,) = answer.json()["errors"]
+    assert "'Front bellows' is locked" in error["message"] and "unlock" in error["hint"]
+    panel.focus_tree()
+    panel.key("Delete")
+    expect(page.get_by_test_id("problem")).to_contain_text("is locked")
+    assert panel.document() == design
+    page.get_by_test_id("locked").get_by_role("button").click()
+    expect(panel.box("Mass")).to_be_enabled()
+    panel.type_number("Mass", 31)
+    panel.wait_until(lambda: panel.at("vehicle", "components", 1, "mass") == pytest.approx(0.031))
+
+
+def test_a_hidden_part_stays_in_the_physics_and_is_hidden_after_a_reload(panel):
+    page, before = panel.page, panel.readout("end-depth")
+    panel.focus_tree()
+    panel.key("h")
+    panel.wait_until(lambda: panel.state("s.components[1].hidden") is True)
+    assert panel.readout("end-depth") == before
+    page.reload()
+    panel.wait_for_glide()
+    assert panel.state("s.components.map(c => c.hidden)") == [False, True, False]
+    expect(panel.part("Front bellows")).to_have_attribute("aria-label", re.compile("hidden"))
+
+
+def test_everything_goes_by_keyboard_alone(panel):
+    page = panel.page
+    panel.focus_tree()
+    panel.key("ArrowDown")
+    panel.wait_until(lambda: panel.state("s.selected") == 2)
+    expect(panel.part("Rear bellows")).to_be_focused()
+    panel.key("a")
+    panel.key("p", "Enter")
+    panel.wait_until(lambda: panel.names()[-1] == "Piston")
+    panel.focus_tree()
+    panel.key("Control+d")
+    panel.wait_until(lambda: panel.names()[-1] == "Piston 2")
+    panel.focus_tree()
+    panel.key("F2")
+    page.keyboard.type("Spare")
+    panel.key("Enter")
+    panel.wait_until(lambda: panel.names()[-1] == "Spare")
+    before = panel.state("s.components.at(-1).position[0]")
+    panel.focus_tree()
+    panel.key("Enter")
+    expect(panel.box("Position x")).to_be_focused()
+    panel.key("ArrowUp", "ArrowUp", "Shift+ArrowUp")
+    panel.wait_until(lambda: panel.state("s.components.at(-1).position[0]") == pytest.approx(before + 0.012))
+    panel.focus_tree()
+    panel.key("Delete")
+    panel.wait_until(lambda: panel.names()[-1] == "Piston")
+
+
+def test_a_pointer_leads_to_its_field(panel):
+    for pointer, label in {
+        "/vehicle/components/2/mass": "Mass",
+        "/vehicle/components/0/inertia/yy": "Pitch yy",
+        "/vehicle/damping/pitch": "Pitch C33",
+        "/mission/solver/tolerance": "Tolerance",
+        "/mission/environment/water/density": "Density",
+        "/mission/initial/pitch": "Pitch",
+    }.items():
+        panel.page.evaluate("async pointer => (await import('/static/parts.js')).focusField(pointer)", pointer)
+        expect(panel.page.locator(f"[data-pointer='{pointer}'] input:focus")).to_be_visible()
+        expect(panel.page.locator(f".part-field[data-pointer='{pointer}'] .field-label")).to_have_text(label)
+        index = re.match(r"/vehicle/components/(\d)", pointer)
+        assert panel.state("s.selected") == (int(index[1]) if index else 0)

@@ -1,0 +1,335 @@
+"""Playback by journeys: clock, range, bookmarks, frames of the server, replays, pictures, kept runs, looks."""
+
+from __future__ import annotations
+
+import json
+import struct
+import zlib
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from tests.browser.studio_page import StudioPage
+
+pytestmark = pytest.mark.browser
+
+CLOCK = "window.__studio.clock"
+
+
+def clock(page: Page, member: str) -> float:
+    return float(page.evaluate(f"() => {CLOCK}.{member}"))
+
+
+def seek(page: Page, t: float) -> None:
+    page.evaluate(f"() => {CLOCK}.seek({t})")
+
+
+def pressed(page: Page, key: str) -> None:
+    """Press a key with the focus nowhere in particular."""
+    page.evaluate("() => document.activeElement?.blur()")
+    page.keyboard.press(key)
+
+
+def test_the_clock_steps_from_sample_to_sample_by_keys_and_buttons(studio):
+    page = studio.page
+    times = studio.state("s.run.columns.t")
+    seek(page, times[10])
+    page.get_by_test_id("step-on").click()
+    assert clock(page, "t") == times[11]
+    pressed(page, ",")
+    pressed(page, ",")
+    assert clock(page, "t") == times[9]
+    seek(page, (times[4] + times[5]) / 2)
+    pressed(page, ".")
+    assert clock(page, "t") == times[5]
+
+
+def test_a_range_is_played_and_looped_and_its_bounds_follow_the_keys(studio):
+    page = studio.page
+    seek(page, 4.0)
+    pressed(page, "i")
+    seek(page, 5.0)
+    pressed(page, "o")
+    assert page.evaluate(f"() => {CLOCK}.range") == {"from": 4.0, "to": 5.0}
+    expect(page.get_by_test_id("clear-range")).to_contain_text("4.0 – 5.0 s")
+    seek(page, 0.0)
+    page.get_by_test_id("speed").select_option("5")
+    page.get_by_test_id("play").click()
+    page.wait_for_function(f"() => !{CLOCK}.playing")
+    assert clock(page, "t") == 5.0  # without a loop the range's end is where it stops
+    pressed(page, "l")
+    page.evaluate(f"() => {{ window.seen = []; {CLOCK}.watch(({{ t }}) => window.seen.push(t)); }}")
+    pressed(page, "Space")
+    page.wait_for_function("() => window.seen.some((t, k) => k > 1 && t < window.seen[k - 1])")
+    pressed(page, "Space")
+    seen = page.evaluate("() => window.seen.slice(1)")
+    assert min(seen) >= 4.0 and max(seen) <= 5.0
+    pressed(page, "u")
+    assert page.evaluate(f"() => {CLOCK}.range") is None
+
+
+def test_speed_is_a_hundred_times_and_a_tenth(studio):
+    page = studio.page
+    for speed in ("100", "0.1"):
+        page.get_by_test_id("speed").select_option(speed)
+        assert clock(page, "speed") == float(speed)
+    seek(page, 0.0)
+    page.evaluate(f"() => {{ {CLOCK}.play(); window.began = performance.now(); }}")
+    page.wait_for_timeout(1500)
+    t, passed = page.evaluate(f"() => [{CLOCK}.t, (performance.now() - window.began) / 1000]")
+    page.evaluate(f"() => {CLOCK}.pause()")
+    assert 0.0 < t <= 0.1 * passed + 1e-6
+
+
+def test_bookmarks_are_named_jumped_to_and_remembered(studio):
+    page = studio.page
+    seek(page, 3.0)
+    pressed(page, "b")
+    page.keyboard.type("Bottom")
+    page.keyboard.press("Enter")
+    expect(page.get_by_test_id("bookmark-add")).to_be_hidden()
+    seek(page, 8.0)
+    page.get_by_test_id("bookmarks").click()
+    page.get_by_test_id("bookmark-add").click()
+    page.keyboard.press("Escape")
+    seek(page, 9.5)
+    pressed(page, "[")
+    assert clock(page, "t") == 8.0
+    pressed(page, "[")
+    assert clock(page, "t") == 3.0
+    pressed(page, "]")
+    assert clock(page, "t") == 8.0
+    page.goto(studio.url)
+    StudioPage(page)
+    expect(page.get_by_test_id("bookmark-count")).to_have_text("2")
+    page.get_by_test_id("bookmarks").click()
+    expect(page.get_by_test_id("bookmark-name-0")).to_have_value("Bottom")
+    page.get_by_test_id("bookmark-0").click()
+    assert clock(page, "t") == 3.0
+    page.get_by_test_id("bookmark-delete-0").click()
+    expect(page.get_by_test_id("bookmark-count")).to_have_text("1")
+
+
+def test_keys_typed_into_a_field_stay_there(studio):
+    page = studio.page
+    seek(page, 5.0)
+    page.get_by_test_id("rename").click()
+    page.get_by_test_id("rename-field").fill("")
+    page.keyboard.type("k b i o ? .")
+    page.keyboard.press("Enter")
+    studio.wait_until(lambda: studio.state("s.name") == "k b i o ? .")
+    expect(page.get_by_test_id("name")).to_have_text("k b i o ? .")
+    assert clock(page, "t") == 5.0
+    assert studio.state("s.kept") == []
+
+
+def test_the_list_of_keys_opens_and_closes(studio):
+    page = studio.page
+    pressed(page, "?")
+    keys = page.get_by_test_id("keys")
+    expect(keys).to_be_visible()
+    for words in ("Play or pause", "Back by one sample", "Bookmark this moment", "Undo", "Save"):
+        expect(keys).to_contain_text(words)
+    page.keyboard.press("Space")  # the dialog's own: the glide stays where it is
+    page.keyboard.press("Escape")
+    expect(keys).to_be_hidden()
+
+
+def hide_the_hook(page: Page) -> None:
+    """Have Viser's client offer no hook, as another version might; what it holds stays readable for the test."""
+    page.add_init_script(
+        "Object.defineProperty(window, '__viserMutable', { get: () => undefined, set(v) { window.__kept = v; } })"
+    )
+
+
+def test_without_the_hook_the_server_moves_the_scene(program, page):
+    hide_the_hook(page)
+    studio = StudioPage.open_preset(page, program.url, "canete-dual-bellows")
+    page.wait_for_timeout(8500)  # the page waits for the hook as long
+    frame = next(f for f in page.frames if "/view/" in f.url)
+    depth = "() => -window.__kept.nodePoseData['/world'].position[2]"
+    seek(page, 0.0)
+    frame.wait_for_function(f"() => Math.abs(({depth})() - {studio.state('s.run.columns.z[0]')}) < 1e-3")
+    seek(page, 8.0)
+    expected = np.interp(8.0, studio.state("s.run.columns.t"), studio.state("s.run.columns.z"))
+    frame.wait_for_function(f"() => Math.abs(({depth})() - {expected}) < 1e-3")
+
+
+def downloaded(page: Page, item: str, path: Path) -> Path:
+    page.get_by_test_id("export").click()
+    with page.expect_download() as download:
+        page.get_by_test_id(item).click()
+    target = path / download.value.suggested_filename
+    download.value.save_as(target)
+    return target
+
+
+def test_a_replay_opens_without_a_network_and_its_numbers_follow(studio, browser: Browser, tmp_path):
+    page = studio.page
+    columns = studio.state("s.run.columns")
+    file = downloaded(page, "export-replay", tmp_path)
+    assert file.suffix == ".html" and file.stat().st_size <= 3_000_000
+    context = browser.new_context(viewport={"width": 800, "height": 500}, offline=True)
+    context.set_default_timeout(60_000)
+    replay, asked = context.new_page(), []
+    replay.on("request", lambda request: asked.append(request.url))
+    replay.goto(file.as_uri() + "?fixedDpr=0.25")
+    replay.wait_for_function("() => window.__replay?.ready")
+    replay.evaluate("() => window.__replay.clock.seek(6.0)")
+    at = {name: np.interp(6.0, columns["t"], columns[name]) for name in ("z", "speed", "theta")}
+    expect(replay.get_by_test_id("hud-time")).to_have_text("6.0 s")
+    expect(replay.get_by_test_id("hud-depth")).to_have_text(f"{at['z']:.3f}")
+    expect(replay.get_by_test_id("hud-speed")).to_have_text(f"{at['speed']:.3f}")
+    expect(replay.get_by_test_id("hud-pitch")).to_have_text(f"{np.rad2deg(at['theta']):.1f}".replace("-", "−"))
+    expect(replay.get_by_test_id("hud-roll")).to_have_text("0.0")
+    replay.wait_for_function(
+        f"() => Math.abs(-window.__viserMutable.nodePoseData['/world'].position[2] - {at['z']}) < 1e-3"
+    )
+    replay.get_by_test_id("play").click()
+    replay.wait_for_function("() => window.__replay.clock.t > 6.5 && window.__replay.poseUpdates > 5")
+    replay.get_by_test_id("play").click()
+    stray = [url for url in asked if not url.startswith(("file:", "data:", "blob:"))]
+    context.close()
+    assert stray == []
+
+
+def pixels(png: bytes) -> np.ndarray:
+    """Return the pixels (height, width, channels) of an 8-bit PNG without interlacing."""
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    place, data, head = 8, b"", b""
+    while place < len(png):
+        (length,) = struct.unpack(">I", png[place : place + 4])
+        kind, body = png[place + 4 : place + 8], png[place + 8 : place + 8 + length]
+        head = body if kind == b"IHDR" else head
+        data += body if kind == b"IDAT" else b""
+        place += 12 + length
+    width, height, depth, color = struct.unpack(">IIBB", head[:10])
+    channels = {2: 3, 6: 4}[color]
+    assert depth == 8
+    rows = np.frombuffer(zlib.decompress(data), dtype=np.uint8).reshape(height, 1 + width * channels)
+    return unfiltered(rows[:, 0], rows[:, 1:].reshape(height, width, channels))
+
+
+def unfiltered(kinds: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Undo PNG's filters (W3C, 2003, section 9)."""
+    out = np.zeros((rows.shape[0] + 1, rows.shape[1] + 1, rows.shape[2]), dtype=np.int64)
+    for y, kind in enumerate(kinds, 1):
+        for x in range(1, rows.shape[1] + 1):
+            left, up, corner = out[y, x - 1], out[y - 1, x], out[y - 1, x - 1]
+            guess = left + up - corner
+            near = np.abs(np.stack([guess - left, guess - up, guess - corner])).argmin(axis=0)
+            paeth = np.choose(near, [left, up, corner])
+            added = [np.zeros_like(left), left, up, (left + up) // 2, paeth][kind]
+            out[y, x] = (rows[y - 1, x - 1] + added) % 256
+    return out[1:, 1:]
+
+
+def test_the_picture_shows_the_view(studio, tmp_path):
+    file = downloaded(studio.page, "export-png", tmp_path)
+    picture = pixels(file.read_bytes())[..., :3]
+    assert picture.shape[0] > 50 and picture.shape[1] > 50
+    # water grows darker with depth, and something that is no water is in front of it
+    assert picture[0].sum(axis=-1).mean() > picture[-1].sum(axis=-1).mean() + 50
+    assert (picture[..., 0] > picture[..., 2]).mean() > 1e-3, "nothing in the picture is warmer than water"
+
+
+def test_the_glide_comes_as_csv_and_netcdf(studio, tmp_path):
+    text = downloaded(studio.page, "export-csv", tmp_path).read_text()
+    assert text.count("\n") > 100
+    assert downloaded(studio.page, "export-nc", tmp_path).read_bytes()[:4] == b"\x89HDF"
+
+
+def test_glides_are_kept_named_referred_to_and_deleted(studio):
+    page = studio.page
+    page.get_by_test_id("compare").click()
+    page.get_by_test_id("keep-name").fill("As published")
+    page.get_by_test_id("keep").click()
+    studio.wait_until(lambda: [k["name"] for k in studio.state("s.kept")] == ["As published"])
+    kept = studio.state("s.kept[0].id")
+    page.get_by_test_id(f"reference-{kept}").click()
+    assert page.evaluate("() => window.__studio.view.ghost") == kept
+    name = page.get_by_test_id(f"kept-name-{kept}")
+    name.fill("Before")
+    name.press("Enter")
+    studio.wait_until(lambda: studio.state("s.kept[0].name") == "Before")
+    for _ in range(3):
+        page.get_by_test_id("keep").click()
+        page.wait_for_timeout(150)
+    studio.wait_until(lambda: len(studio.state("s.kept")) == 4)
+    expect(page.get_by_test_id("keep")).to_be_disabled()
+    page.get_by_test_id(f"forget-{kept}").click()
+    studio.wait_until(lambda: len(studio.state("s.kept")) == 3)
+    studio.wait_until(lambda: page.evaluate("() => window.__studio.view.ghost") is None)
+
+
+def test_light_and_dark_are_chosen_and_remembered(studio):
+    page = studio.page
+    scheme = "() => [document.documentElement.dataset.theme, getComputedStyle(document.body).backgroundColor]"
+    assert page.evaluate(scheme)[0] == "dark"
+    page.get_by_test_id("theme").click()
+    chosen, color = page.evaluate(scheme)
+    assert chosen == "light" and color == "rgb(238, 242, 246)"
+    studio.scene("() => document.documentElement.getAttribute('data-mantine-color-scheme') === 'light'")
+    page.goto(studio.url)
+    StudioPage(page)
+    assert page.evaluate(scheme) == ["light", color]
+
+
+def test_columns_are_resized_by_pointer_and_keys_and_remembered(studio):
+    page = studio.page
+    border, parts = page.get_by_test_id("split-left"), page.get_by_test_id("parts")
+    before = parts.bounding_box()["width"]
+    box = border.bounding_box()
+    page.mouse.move(box["x"] + 4, box["y"] + 100)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 64, box["y"] + 100, steps=4)
+    page.mouse.up()
+    assert parts.bounding_box()["width"] == pytest.approx(before + 60, abs=2)
+    border.press("ArrowLeft")
+    assert parts.bounding_box()["width"] == pytest.approx(before + 44, abs=2)
+    page.goto(studio.url)
+    StudioPage(page)
+    assert parts.bounding_box()["width"] == pytest.approx(before + 44, abs=2)
+    border.dblclick()
+    assert parts.bounding_box()["width"] == pytest.approx(before, abs=2)
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 720), (1400, 900)])
+def test_nothing_in_the_header_or_transport_wraps_or_overlaps(studio, width, height):
+    page = studio.page
+    page.set_viewport_size({"width": width, "height": height})
+    for bar in (".top", ".transport"):
+        boxes = page.evaluate(
+            "bar => [...document.querySelector(bar).children]"
+            ".map(c => [c.id || c.textContent, c.getBoundingClientRect()])"
+            ".filter(([, r]) => r.width > 1).map(([n, r]) => [n.trim(), r.left, r.right, r.height])",
+            bar,
+        )
+        for (name, _, right, high), (following, left, *_) in pairwise(boxes):
+            assert right <= left + 0.5, f"{name} runs into {following} at {width} px"
+            assert high <= 40, f"{name} wraps at {width} px"
+        assert boxes[-1][2] <= width
+    expect(page.get_by_test_id("hydrodynamics-range")).to_be_in_viewport()
+    assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_on_a_phone_the_panels_take_turns(studio):
+    page = studio.page
+    page.set_viewport_size({"width": 390, "height": 844})
+    for tab, shown, hidden in (("parts", "parts", "now"), ("results", "now", "parts"), ("timeline", "scrub", "now")):
+        page.get_by_test_id(f"tab-{tab}").click()
+        expect(page.get_by_test_id(shown)).to_be_visible()
+        expect(page.get_by_test_id(hidden)).to_be_hidden()
+        expect(page.get_by_test_id("play")).to_be_in_viewport()
+        assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_the_hydrodynamic_source_is_named_with_its_range(studio):
+    document = json.loads(studio.page.request.get(studio.url.split("?")[0] + "design.json").text())
+    speeds = document["vehicle"]["hydrodynamics"]["row_speed"]
+    expect(studio.page.get_by_test_id("hydrodynamics-range")).to_have_text(
+        f"α ±90°, {min(speeds):g}–{max(speeds):g} m/s"
+    )

@@ -1,0 +1,290 @@
+"""A designer's journeys in the 3D view: what is drawn where, what it is called, and parts moved by hand."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Frame, Page, expect
+
+from models.design import loads_design
+from models.presets import load_preset
+from models.simulate import simulate
+from studio.attitude import attitude_at, rotate
+from studio.bodies import breath
+from studio.path_colors import scale_of
+from tests.browser.studio_page import StudioPage
+from tests.studio.spiral import spiral_document
+
+pytestmark = pytest.mark.browser
+
+SIGHT = """(points) => {
+  const m = window.__viserMutable;
+  const [w, h] = [m.canvas.clientWidth, m.canvas.clientHeight];
+  return points.map(([name, place]) => {
+    const at = m.nodeRefFromName[name].localToWorld(m.camera.position.clone().set(...place)).project(m.camera);
+    return [((at.x + 1) / 2) * w, ((1 - at.y) / 2) * h];
+  });
+}"""
+"""Where points of nodes, in the nodes' own axes, are on the client's canvas, px from its top left corner."""
+
+
+def view_of(page: Page) -> Frame:
+    return next(f for f in page.frames if "/view/" in f.url)
+
+
+def on_canvas(studio: StudioPage, *points: tuple[str, tuple[float, float, float]]) -> np.ndarray:
+    """Return where points of nodes are seen, (n, 2) px to the right and down."""
+    return np.array(view_of(studio.page).evaluate(SIGHT, [[name, list(place)] for name, place in points]))
+
+
+def node(studio: StudioPage, name: str, what: str) -> Any:
+    """Return a member of a node as the client's tree has it, such as visibility, or a property of its message."""
+    tree = "window.__viserSceneTree.getState()"
+    return view_of(studio.page).evaluate(f"() => {tree}['{name}']?.{what}")
+
+
+def seek(studio: StudioPage, t: float) -> None:
+    studio.page.evaluate(f"() => window.__studio.clock.seek({t})")
+
+
+def design_of(studio: StudioPage) -> Any:
+    answer = studio.page.request.get(studio.url.split("?")[0] + "design.json")
+    return loads_design(answer.text())
+
+
+def post(studio: StudioPage, path: str, document: dict[str, Any]) -> None:
+    address = studio.url.split("?")[0]
+    origin = "/".join(address.split("/")[:3])
+    assert studio.page.request.post(address + path, data=document, headers={"Origin": origin}).ok
+
+
+@pytest.fixture
+def turning(program, page) -> StudioPage:
+    return StudioPage.open_document(page, program.url, spiral_document(duration=300.0))
+
+
+@pytest.fixture
+def quad(program, page) -> StudioPage:
+    document = load_preset("quad-bellows-glide").model_dump(mode="json")
+    document["mission"]["duration"] = 60.0
+    return StudioPage.open_document(page, program.url, document)
+
+
+def test_pleats_breathe_as_the_server_would_draw_them(studio):
+    design = design_of(studio)
+    run, part = simulate(design), design.vehicle.components[1]
+    k = run.cells.index(part.name)
+    for t, times in ((6.0, 10.0), (18.0, 20.0)):
+        studio.page.get_by_test_id("display").click()
+        studio.page.get_by_test_id("exaggeration").select_option(f"{times:g}")
+        studio.page.keyboard.press("Escape")
+        seek(studio, t)
+        extension = float(np.interp(t, run.times, run.cell_values["extension"][:, k]))
+        expected = breath(part, times * (extension - part.neutral))
+        assert expected[1] != 1.0, "the pleats are not at rest"
+        studio.wait_until(
+            lambda wanted=expected: (
+                node(studio, "/glider/cell1/stack", "message.props.scale") == pytest.approx(wanted, abs=1e-4)
+            )
+        )
+
+
+def test_the_path_has_the_colours_of_its_legend(studio):
+    page = studio.page
+    run = simulate(design_of(studio))
+    for name, words in (("z", "m"), ("theta", "°")):
+        before = node(studio, "/world/path", "message.props.colors")
+        page.get_by_test_id("color-by").select_option(name)
+        studio.wait_until(lambda was=before: node(studio, "/world/path", "message.props.colors") != was)
+        scale = scale_of(run, name)
+        assert scale is not None
+        expect(page.get_by_test_id("path-unit")).to_have_text(words)
+        shown = page.evaluate("() => window.__studio.state.scene.path")
+        assert (shown["low"], shown["high"]) == pytest.approx((scale.low, scale.high))
+        low = page.get_by_test_id("path-low").inner_text().replace("\N{MINUS SIGN}", "-").lstrip("≤ ")
+        factor = 1.0 if words == "m" else math.degrees(1.0)
+        assert float(low) == pytest.approx(factor * scale.low, abs=0.06 * abs(factor * (scale.high - scale.low)))
+    page.get_by_test_id("color-by").select_option("none")
+    expect(page.locator("#path-scale")).to_be_hidden()
+
+
+def test_the_offset_of_the_centres_is_drawn_to_scale_and_told_in_millimetres(studio):
+    page = studio.page
+    seek(studio, 6.0)
+    run = simulate(design_of(studio))
+    center = {
+        name: np.array([np.interp(6.0, run.times, run.values[f"{name}_{axis}"]) for axis in "xz"])
+        for name in ("com", "cob")
+    }
+    offset = center["com"] - center["cob"]
+    page.get_by_test_id("display").click()
+    for times in (1, 100):
+        page.get_by_test_id("offset-scale").select_option(str(times))
+        expected = center["cob"] + times * offset
+        studio.wait_until(
+            lambda wanted=expected: (
+                np.array(studio.pose("/glider/com")["position"])[[0, 2]] == pytest.approx(wanted, abs=1e-5)
+            )
+        )
+        length = node(studio, "/glider/cob/offset_starboard", "message.props.scale")[0]
+        assert length == pytest.approx(times * np.linalg.norm(offset), rel=1e-3)
+    shown = float(page.get_by_test_id("center-offset").inner_text().removesuffix(" mm"))
+    assert shown == pytest.approx(1e3 * np.linalg.norm(offset), abs=0.006)
+    expect(page.get_by_test_id("center-scale")).to_have_text("drawn ×100")
+
+
+def test_moments_are_shown_when_asked_for_and_named_with_their_unit(turning):
+    page = turning.page
+    seek(turning, 250.0)
+    assert node(turning, "/glider/moment_roll", "visibility") is False
+    page.get_by_test_id("toggle-moments").click()
+    for name, column in (("roll", "hydro_K"), ("pitch", "moment"), ("yaw", "hydro_N")):
+        turning.wait_until(lambda of=name: node(turning, f"/glider/moment_{of}", "visibility") is True)
+        expect(page.get_by_test_id(f"moment-{name}")).to_contain_text("N m")
+        value = page.evaluate(
+            f"() => (({{ t, {column}: v }}, i) => v[i])"
+            "(window.__studio.state.run.columns, window.__studio.state.run.columns.t.findIndex((t) => t >= 250))"
+        )
+        shown = page.get_by_test_id(f"moment-{name}").inner_text().removesuffix(" N m").replace("\N{MINUS SIGN}", "-")
+        assert float(shown) == pytest.approx(value, rel=0.05, abs=0.02)
+        # the arrow turns about its axis, the way that the sign says
+        axis = rotate(np.array([[1.0, 0.0, 0.0]]), tuple(turning.pose(f"/glider/moment_{name}")["wxyz"]))[0]
+        expected = np.eye(3)[("roll", "pitch", "yaw").index(name)] * np.sign(value)
+        assert axis == pytest.approx(expected, abs=1e-6)
+
+
+def test_positive_roll_lowers_the_starboard_wing_on_screen(turning):
+    page = turning.page
+    # the other way round than the published spiral: its mass swings to starboard
+    turning.edit({"op": "replace", "path": "/mission/control/schedules/0/points/0/extension", "value": -0.7})
+    turning.wait_until(lambda: turning.readout("end-roll") > math.radians(5.0))
+    page.get_by_test_id("camera-chase").click()
+    seek(turning, 250.0)
+    turning.wait_until(lambda: turning.readout("roll") > math.radians(5.0))
+    tips = [("/glider", (0.0, side, 0.0)) for side in (-0.6, 0.6)]
+
+    def banked() -> bool:
+        port, starboard = on_canvas(turning, *tips)
+        # seen from behind: starboard is to the right, and lower
+        return starboard[0] > port[0] + 20.0 and starboard[1] > port[1] + 2.0
+
+    turning.wait_until(banked)
+    port, starboard = on_canvas(turning, *tips)
+    bank = math.atan2(starboard[1] - port[1], starboard[0] - port[0])
+    # the camera stands above: perspective leaves the bank about as steep as it is
+    assert bank == pytest.approx(turning.readout("roll"), rel=0.35)
+
+
+def test_the_compass_and_the_bar_follow_the_camera(turning):
+    page = turning.page
+    page.get_by_test_id("camera-chase").click()
+    seek(turning, 250.0)
+    turning.wait_until(lambda: abs(turning.readout("heading")) > 0.2)
+    heading = round(math.degrees(turning.readout("heading"))) % 360
+    compass = page.get_by_test_id("compass")
+
+    def looks_ahead() -> bool:
+        shown = int((compass.get_attribute("aria-label") or "Looking -1").split(" ")[1].rstrip("°"))
+        return abs((shown - heading + 180) % 360 - 180) <= 2
+
+    turning.wait_until(looks_ahead)
+    page.keyboard.press("1")
+    expect(page.get_by_test_id("camera-side")).to_have_attribute("aria-pressed", "true")
+    # from starboard, across the way
+    turning.wait_until(lambda: page.evaluate("() => window.__studio.view.camera") == "side")
+    text = page.get_by_test_id("scale-length").inner_text()
+    number, unit = text.split(" ")
+    length = float(number) * {"mm": 1e-3, "m": 1.0, "km": 1e3}[unit]
+
+    def bar_is_true() -> bool:
+        a, b = on_canvas(turning, ("/glider", (0.0, 0.0, 0.0)), ("/glider", (0.0, 0.0, length)))
+        width = page.locator("#scale-bar").bounding_box()["width"]
+        return width == pytest.approx(float(np.hypot(*(b - a))), rel=0.25)
+
+    turning.wait_until(bar_is_true)
+
+
+def test_keys_choose_where_to_look_from(studio):
+    page = studio.page
+    for key, camera in (("2", "top"), ("5", "overview"), ("4", "free"), ("3", "chase"), ("1", "side")):
+        page.keyboard.press(key)
+        expect(page.get_by_test_id(f"camera-{camera}")).to_have_attribute("aria-pressed", "true")
+        assert page.evaluate("() => window.__studio.view.camera") == camera
+
+
+def test_a_kept_glide_flies_along_as_a_ghost(studio):
+    page = studio.page
+    post(studio, "runs", {"name": "Before"})
+    studio.wait_until(lambda: studio.state("s.kept.length") == 1)
+    before = simulate(design_of(studio))
+    studio.edit({"op": "replace", "path": "/vehicle/components/1/position/0", "value": 0.15})
+    page.get_by_test_id("display").click()
+    page.get_by_test_id("ghost").select_option(label="Before")
+    page.keyboard.press("Escape")
+    studio.scene("() => '/ghost/silhouette' in window.__viserSceneTree.getState()")
+    seek(studio, 12.0)
+    expected = attitude_at(before, 12.0)
+    # attitudes of thinned samples
+    studio.wait_until(lambda: abs(np.dot(studio.pose("/ghost")["wxyz"], expected)) > 1.0 - 1e-5)
+    assert abs(np.dot(studio.pose("/glider")["wxyz"], expected)) < 1.0 - 1e-5
+    ghost, glider = (np.array(studio.pose(f"/{name}")["position"]) for name in ("ghost", "glider"))
+    here = [np.interp(12.0, before.times, before.values[name]) for name in ("x", "z")]
+    now = [studio.readout("distance"), studio.readout("depth")]
+    assert (ghost - glider)[[0, 2]] == pytest.approx(np.subtract(here, now), abs=1e-4)
+    page.get_by_test_id("display").click()
+    page.get_by_test_id("ghost").select_option("")
+    studio.scene("() => !('/ghost/silhouette' in window.__viserSceneTree.getState())")
+
+
+def pull(studio: StudioPage, index: int, across: float, *, during: Callable[[], None] = lambda: None) -> None:
+    """Take a cell by its mesh and pull it across the picture, px to the right."""
+    page = studio.page
+    place = on_canvas(studio, (f"/glider/cell{index}/stack", (0.02, 0.0, 0.0)))[0]
+    frame = page.locator("iframe#view").bounding_box()
+    x, y = frame["x"] + place[0], frame["y"] + place[1]
+    page.mouse.move(x, y)
+    page.wait_for_timeout(300)  # the client looks for what is under the pointer once a frame
+    page.mouse.down()
+    for k in range(1, 9):
+        page.mouse.move(x + across * k / 8, y)
+        page.wait_for_timeout(120)
+    during()
+    page.mouse.up()
+
+
+def test_a_cell_is_dragged_with_its_mirror_image(quad):
+    page = quad.page
+    place = "s.components[{}].position"
+    port, starboard = (quad.state(place.format(i)) for i in (4, 5))
+
+    def label_is_there() -> None:
+        quad.scene("() => '/glider/told' in window.__viserSceneTree.getState()")
+        assert str(node(quad, "/glider/told", "message.props.text")).endswith(" mm")
+
+    pull(quad, 5, 40.0, during=label_is_there)  # from starboard the nose is to the right
+    quad.wait_until(lambda: quad.state(place.format(5)) != starboard)
+    quad.scene("() => !('/glider/told' in window.__viserSceneTree.getState())")
+    moved, image = quad.state(place.format(5)), quad.state(place.format(4))
+    assert moved[0] > starboard[0] and moved[1:] == starboard[1:], "along the hull, toward the nose"
+    assert round(1e3 * moved[0], 6) == round(1e3 * moved[0]), "whole millimetres"
+    assert image == [moved[0], -moved[1], moved[2]]
+    assert quad.state("s.selected") == 5
+    page.get_by_test_id("undo").click()
+    quad.wait_until(lambda: quad.state(place.format(5)) == starboard)
+    assert quad.state(place.format(4)) == port
+
+
+def test_a_locked_cell_cannot_be_dragged_and_a_hidden_one_is_not_seen(quad):
+    post(quad, "parts/5/marks", {"locked": True})
+    before = quad.state("s.components[5].position")
+    pull(quad, 5, 40.0)
+    expect(quad.page.get_by_test_id("problem")).to_contain_text("locked")
+    assert quad.state("s.components[5].position") == before
+    post(quad, "parts/4/marks", {"hidden": True})
+    quad.wait_until(lambda: node(quad, "/glider/cell4", "visibility") is False)
+    assert json.loads(design_of(quad).to_json())["vehicle"]["components"][4]["position"], "it is still in the design"

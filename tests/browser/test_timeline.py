@@ -1,0 +1,380 @@
+"""The journeys on the timeline: moving and copying points, looking closer, choosing what is plotted, and marks."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from models.presets import load_preset
+from tests.browser.studio_page import StudioPage
+
+pytestmark = pytest.mark.browser
+
+SPIRAL, LAKE = "quad-bellows-spiral", "canete-dual-bellows"
+PORT, STARBOARD, REAR_PORT = "Front port cell", "Front starboard cell", "Rear port cell"
+SAME_COMMAND = """async ([name, by, wrap]) => {
+  const copy = await import("../../static/schedulecopy.js");
+  const { schedules, duration } = window.__studio.state;
+  const { points, initial } = schedules.find((s) => s.cell === name);
+  const round = (t) => ((t % duration) + duration) % duration;
+  const shifted = copy.shifted(points, by, { start: initial, duration, wrap, gap: 0.01 });
+  const before = (t) => copy.commandAt(points, initial, t);
+  const wanted = (t) => (wrap ? before(round(t - by)) : t < by ? initial : before(t - by));
+  // a step is on one side or the other within a gap of itself
+  const edges = [...points.map((p) => p.time + by), ...shifted.map((p) => p.time)].map(round);
+  const times = Array.from({ length: 997 }, (_, i) => ((i + 0.5) * duration) / 997);
+  const clear = times.filter((t) => edges.every((e) => Math.abs(t - e) > 0.02));
+  const away = clear.map((t) => Math.abs(copy.commandAt(shifted, initial, t) - wanted(t)));
+  const rising = shifted.every((p, k) => k === 0 || p.time > shifted[k - 1].time);
+  return { worst: Math.max(...away), rising, end: shifted.at(-1).time <= duration };
+}"""
+
+
+class Timeline(StudioPage):
+    """The page of a session, of which only the timeline is waited for."""
+
+    def wait_for_glide(self) -> None:
+        self.page.wait_for_function("() => window.__studio?.state?.run && window.__studio.timeline.lanes.list.length")
+
+    def points(self, cell: str) -> list[dict[str, Any]]:
+        found: list[dict[str, Any]] = self.page.evaluate(
+            "name => window.__studio.state.schedules.find(s => s.cell === name).points", cell
+        )
+        return found
+
+    def times(self, cell: str) -> list[float]:
+        return [point["time"] for point in self.points(cell)]
+
+    def point(self, cell: str, k: int) -> Locator:
+        return self.page.get_by_test_id(f"point-{cell}-{k}")
+
+    def scale(self, expression: str) -> Any:
+        return self.page.evaluate(f"() => (s => {expression})(window.__studio.timeline.scale)")
+
+    def place(self, where: Locator, t: float, share: float = 0.5) -> tuple[float, float]:
+        """Return where on the screen a time is in a lane or plot."""
+        box = where.bounding_box()
+        assert box is not None
+        return box["x"] + self.scale(f"s.x({t})"), box["y"] + share * box["height"]
+
+    def drag(self, start: tuple[float, float], by: tuple[float, float], steps: int = 6) -> None:
+        self.page.mouse.move(*start)
+        self.page.mouse.down()
+        self.page.mouse.move(start[0] + by[0], start[1] + by[1], steps=steps)
+        self.page.mouse.up()
+
+    def lane(self, cell: str) -> Locator:
+        return self.page.get_by_test_id(f"lane-{cell}").locator("svg.lane")
+
+    def chosen(self) -> int:
+        return int(self.page.evaluate("() => window.__studio.timeline.lanes.selection.size"))
+
+    def settled(self, condition: str) -> None:
+        self.page.wait_for_function(f"() => (s => {condition})(window.__studio.state)")
+
+    def menu(self, cell: str, item: str) -> None:
+        self.page.get_by_test_id(f"lane-menu-{cell}").click()
+        self.page.get_by_test_id(item).click()
+
+
+@pytest.fixture
+def flat(page: Page) -> Page:
+    """A tab without the 3D view, which this machine draws in software: it would slow all that asks nothing of it."""
+    page.route("**/view/**", lambda route: route.abort())
+    return page
+
+
+@pytest.fixture
+def spiral(program, flat) -> Timeline:
+    return Timeline.open_preset(flat, program.url, SPIRAL)
+
+
+@pytest.fixture
+def lake(program, flat) -> Timeline:
+    return Timeline.open_preset(flat, program.url, LAKE)
+
+
+def center(node: Locator) -> tuple[float, float]:
+    box = node.bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_chosen_points_move_together_in_one_step_of_undo(spiral):
+    before = {cell: spiral.points(cell) for cell in (PORT, STARBOARD)}
+    spiral.point(PORT, 2).click(modifiers=["Shift"])
+    spiral.point(STARBOARD, 2).click(modifiers=["Shift"])
+    assert spiral.chosen() == 2
+    x = spiral.scale("s.x(20) - s.x(0)")
+    spiral.drag(center(spiral.point(PORT, 2)), (-x, 0.0))
+    moved = before[PORT][2]["time"] - 20.0
+    spiral.wait_until(lambda: abs(spiral.times(PORT)[2] - moved) < 2.0)
+    by = spiral.times(PORT)[2] - before[PORT][2]["time"]
+    assert spiral.times(STARBOARD)[2] - before[STARBOARD][2]["time"] == pytest.approx(by, abs=1e-3)
+    assert spiral.times(PORT)[2] == pytest.approx(round(spiral.times(PORT)[2], 1), abs=1e-9), "it snaps to tenths"
+    assert spiral.times(PORT)[3] == before[PORT][3]["time"]
+    spiral.page.get_by_test_id("undo").click()
+    spiral.wait_until(lambda: {cell: spiral.points(cell) for cell in (PORT, STARBOARD)} == before)
+
+
+def test_a_sweep_chooses_and_keys_copy_turn_and_delete(spiral):
+    page = spiral.page
+    first = spiral.place(spiral.lane(PORT), 400.0, 0.05)
+    last = spiral.place(spiral.lane(STARBOARD), 1.0, 0.95)
+    spiral.drag(first, (last[0] - first[0], last[1] - first[1]))
+    assert spiral.chosen() == 2 * len([t for t in spiral.times(PORT) if 0.0 < t < 400.0]) == 6
+    count = len(spiral.points(REAR_PORT))
+    spiral.lane(PORT).click(position={"x": spiral.scale("s.x(600)"), "y": 12})
+    assert spiral.chosen() == 0
+    assert page.evaluate("() => window.__studio.clock.t") == pytest.approx(600.0, abs=2.0)
+    page.keyboard.press("Control+a")
+    assert spiral.chosen() == 4
+    page.keyboard.press("Control+c")
+    page.evaluate("() => window.__studio.clock.seek(500)")
+    spiral.lane(REAR_PORT).evaluate("lane => lane.focus()")
+    page.evaluate(f"() => (t => t.active = t.lanes.get('{REAR_PORT}'))(window.__studio.timeline.lanes)")
+    page.keyboard.press("Control+v")
+    spiral.wait_until(lambda: len(spiral.points(REAR_PORT)) == count + 4)
+    assert spiral.times(REAR_PORT)[count:] == pytest.approx(
+        [500.0 + t - spiral.times(PORT)[0] for t in spiral.times(PORT)]
+    )
+    spiral.wait_until(lambda: spiral.chosen() == 4)
+    shapes = [point["shape"] for point in spiral.points(REAR_PORT)[count:]]
+    page.keyboard.press("r")
+    spiral.wait_until(lambda: [p["shape"] for p in spiral.points(REAR_PORT)[count:]] == [
+        "step" if shapes[0] == "ramp" else "ramp"] * 4)  # fmt: skip
+    page.keyboard.press("Delete")
+    spiral.wait_until(lambda: len(spiral.points(REAR_PORT)) == count)
+
+
+def test_points_are_moved_and_opened_by_keys(lake):
+    page = lake.page
+    lake.point("Front bellows", 1).focus()
+    page.keyboard.press("ArrowLeft")
+    lake.settled("Math.abs(s.schedules[0].points[1].time - 9.9) < 1e-6")
+    page.get_by_test_id("snap-time").select_option("1")
+    page.get_by_test_id("snap-extension").select_option("coarse")
+    lake.point("Front bellows", 1).focus()
+    page.keyboard.press("ArrowRight")
+    lake.settled("s.schedules[0].points[1].time === 11")
+    page.keyboard.press("ArrowUp")
+    lake.settled("Math.abs(s.schedules[0].points[1].extension - 0.019) < 1e-9")
+    page.keyboard.press("Enter")
+    expect(page.get_by_test_id("point-time")).to_have_value("11")
+    page.keyboard.press("Escape")
+    expect(lake.point("Front bellows", 1)).to_be_focused()
+    page.reload()
+    lake.wait_for_glide()
+    assert page.get_by_test_id("snap-time").input_value() == "1"
+
+
+def test_a_schedule_is_copied_mirrored_to_the_partner(spiral):
+    page = spiral.page
+    before = spiral.points(STARBOARD)
+    spiral.menu(PORT, "copy-schedule")
+    assert page.get_by_test_id("copy-to").input_value() == STARBOARD
+    page.get_by_test_id("copy-how").select_option("mirrored")
+    page.get_by_test_id("copy-apply").click()
+    port, starboard = (spiral.state(f"s.components.find(c => c.name === '{cell}')") for cell in (PORT, STARBOARD))
+    middle = port["extension_neutral"] + starboard["extension_neutral"]
+    stops = starboard["extension_min"], starboard["extension_max"]
+    wanted = [min(max(middle - p["extension"], stops[0]), stops[1]) for p in spiral.points(PORT)]
+    spiral.wait_until(lambda: [p["extension"] for p in spiral.points(STARBOARD)] == pytest.approx(wanted, abs=1e-6))
+    assert spiral.times(STARBOARD) == spiral.times(PORT)
+    page.get_by_test_id("undo").click()
+    spiral.wait_until(lambda: spiral.points(STARBOARD) == before)
+
+
+@pytest.mark.parametrize("wrap", [False, True])
+def test_a_shifted_command_is_the_same_later(spiral, wrap):
+    for by in (250.0, 700.0):
+        found = spiral.page.evaluate(SAME_COMMAND, [PORT, by, wrap])
+        assert found["worst"] < 1e-9 and found["rising"] and found["end"]
+
+
+def test_a_copy_is_shifted_in_phase_and_stretched(spiral):
+    page = spiral.page
+    before = spiral.times(PORT)
+    spiral.menu(PORT, "copy-schedule")
+    page.get_by_test_id("copy-to").select_option(REAR_PORT)
+    page.get_by_test_id("copy-later").fill("100")
+    page.get_by_test_id("copy-factor").fill("2")
+    page.get_by_test_id("copy-apply").click()
+    spiral.wait_until(lambda: spiral.times(REAR_PORT)[-1] == pytest.approx(2.0 * before[-1] + 100.0))
+    spiral.menu(PORT, "shift-schedule")
+    page.get_by_test_id("copy-later").fill("50")
+    page.get_by_test_id("copy-apply").click()
+    spiral.wait_until(lambda: spiral.times(PORT)[-1] == pytest.approx(before[-1] + 50.0))
+
+
+def test_lanes_and_plots_are_looked_at_closer_together(spiral):
+    page = spiral.page
+    page.mouse.move(*spiral.place(page.get_by_test_id("plot-0"), 480.0))
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, -500)
+    page.keyboard.up("Control")
+    spiral.wait_until(lambda: spiral.scale("s.zoomed"))
+    page.wait_for_timeout(100)
+    length = spiral.scale("s.seconds")
+    assert length < 400.0 and spiral.scale("(s.from + s.to) / 2") == pytest.approx(480.0, abs=30.0)
+    assert float(page.locator("#scrub").get_attribute("min")) == pytest.approx(spiral.scale("s.from"))
+    expect(spiral.point(PORT, 0)).to_be_hidden()
+    # playing on beyond the window turns the page; the clock's line is in sight
+    page.evaluate("() => window.__studio.clock.seek(900)")
+    assert spiral.scale("s.shows(900)") and spiral.scale("s.seconds") == pytest.approx(length)
+    page.get_by_test_id("zoom-from").focus()
+    page.keyboard.press("ArrowLeft")
+    spiral.wait_until(lambda: spiral.scale("s.seconds") > length * 1.05)
+    page.get_by_test_id("zoom-bar").dblclick()
+    spiral.wait_until(lambda: not spiral.scale("s.zoomed"))
+    page.keyboard.press("+")
+    spiral.wait_until(lambda: spiral.scale("s.zoomed"))
+
+
+def test_a_click_moves_the_clock_and_the_scene_and_redraws_no_curve(program, page):
+    lake = Timeline.open_preset(page, program.url, LAKE)
+    lake.scene("() => window.__viserSceneTree && '/glider' in window.__viserSceneTree.getState()")
+    page.evaluate("""() => {
+      const proto = Object.getPrototypeOf(window.__studio.timeline.plots.rows[0].plot);
+      const { draw } = proto;
+      window.__drawn = 0;
+      proto.draw = function () { window.__drawn += 1; return draw.call(this); };
+    }""")
+    page.mouse.click(*lake.place(page.get_by_test_id("plot-1"), 15.0))
+    assert page.evaluate("() => window.__studio.clock.t") == pytest.approx(15.0, abs=0.1)
+    shown = f"{lake.readout('depth'):.3f} m"
+    expect(page.get_by_test_id("legend-depth")).to_have_text(shown)
+    lake.wait_until(lambda: abs(lake.pose("/glider")["wxyz"][2]) > 0.3)  # pitched up by 60 degrees
+    assert page.evaluate("() => window.__drawn") == 0
+    page.mouse.move(*lake.place(page.get_by_test_id("plot-1"), 5.0))
+    expect(page.locator("#tip")).to_contain_text("Pitch")
+    expect(page.get_by_test_id("cursor-depth")).not_to_be_empty()
+    z = lake.state("s.run.columns.z[s.run.columns.t.findIndex(t => t >= 5)]")
+    assert float(page.get_by_test_id("cursor-depth").inner_text()) == pytest.approx(z, abs=0.02)
+
+
+def test_outputs_are_chosen_searched_and_remembered(lake):
+    page = lake.page
+    page.get_by_test_id("add-plot").click()
+    search = page.get_by_test_id("output-search")
+    search.fill("kinetic")
+    expect(page.get_by_test_id("output-list").locator("label:visible")).to_have_count(1)
+    page.get_by_test_id("output-kinetic_energy").check()
+    page.wait_for_function("() => window.__studio.timeline.plots.rows[2].plot.series[0]?.values.length > 100")
+    search.fill("extension bellows")
+    page.get_by_test_id("output-extension@Front bellows").check()
+    expect(page.get_by_test_id("legend-extension@Front bellows")).to_contain_text("mm")
+    search.fill("speed")
+    expect(page.get_by_test_id("output-speed")).to_be_disabled()  # a third unit
+    page.get_by_test_id("range-right-from").fill("10")
+    page.get_by_test_id("range-right-to").fill("20")
+    page.get_by_test_id("range-right-to").press("Tab")
+    axis = "window.__studio.timeline.plots.rows[2].plot.axes[1]"
+    page.wait_for_function(f"() => {axis}.low === 10 && {axis}.high === 20")
+    page.get_by_test_id("plot-up").click()
+    page.keyboard.press("Escape")
+    expect(page.get_by_test_id("plot-picker")).to_have_count(0)
+    page.reload()
+    lake.wait_for_glide()
+    expect(page.get_by_test_id("plot-row-1").get_by_test_id("legend-kinetic_energy")).to_be_visible()
+    page.get_by_test_id("plot-menu-1").click()
+    page.get_by_test_id("plot-remove").click()
+    expect(page.locator("[data-testid^=plot-row-]")).to_have_count(2)
+
+
+def test_a_kept_run_is_laid_over(lake):
+    page = lake.page
+    before = lake.readout("end-depth")
+    page.evaluate("() => import('../../static/keptruns.js').then(kept => kept.keepRun('Before'))")
+    lake.settled("s.kept?.length === 1")
+    lake.edit({"op": "replace", "path": "/mission/control/schedules/0/points/1/extension", "value": 0.0168})
+    lake.wait_for_change("end-depth", before)
+    kept = "window.__studio.timeline.plots.rows[0].plot.series[0].kept"
+    page.wait_for_function(f"() => {kept}.length === 1 && {kept}[0].values.length > 100")
+    assert page.evaluate(f"() => {kept}[0].values.at(-1)") == pytest.approx(before, abs=1e-6)
+    page.wait_for_function("() => window.__studio.timeline.path.kept.length === 1")
+    page.mouse.move(*lake.place(page.get_by_test_id("plot-0"), 19.0))
+    expect(page.locator("#tip")).to_contain_text("Before")
+    page.get_by_test_id("plot-menu-0").click()
+    page.locator("[data-testid^=show-kept-]").uncheck()
+    page.wait_for_function(f"() => {kept}.length === 0")
+
+
+def test_what_happened_is_marked_over_the_lanes(program, flat):
+    """A yo-yo between waypoints."""
+    page = flat
+    document = load_preset("quad-bellows-waypoints").model_dump(mode="json")
+    document["mission"]["duration"] = 3000.0
+    timeline = Timeline.open_document(page, program.url, document)
+    kinds = {event["kind"] for event in timeline.state("s.run.events")}
+    assert "climb" in kinds
+    shown = page.locator("[data-testid^=event-]")
+    assert shown.count() >= 2
+    shown.last.hover()
+    expect(page.locator("#tip")).to_contain_text("End of the mission")
+    expect(page.get_by_test_id("phase-vertical-0")).to_have_attribute("aria-label", re.compile("^Dive, from"))
+    expect(page.get_by_test_id("phase-lateral-0")).to_contain_text("Leg 1 of")
+    climb = timeline.state("s.run.phases.find(p => p.name === 'Climb')")
+    page.get_by_test_id("phase-vertical-1").press("Enter")
+    assert page.evaluate("() => window.__studio.clock.t") == pytest.approx(climb["from"], abs=10.0)
+    expect(page.get_by_test_id(f"lane-{PORT}")).to_have_attribute("data-controlled", "true")
+
+
+def test_a_lane_is_hatched_where_the_cell_is_near_a_stop(lake):
+    stops = lake.lane("Front bellows").locator(".near-stop")
+    expect(stops).to_have_attribute("d", "")
+    most = lake.state("s.components[1].extension_max")
+    lake.edit({"op": "replace", "path": "/mission/control/schedules/0/points/1/extension", "value": most})
+    expect(stops).to_have_attribute("d", re.compile("^M"))
+    (stretch,) = lake.page.evaluate("() => window.__studio.timeline.lanes.list[0].nearStops()")
+    assert 9.9 < stretch[0] < stretch[1] == lake.state("s.run.columns.t.at(-1)")
+
+
+def test_a_warning_on_the_timeline_leads_to_the_list(lake):
+    page = lake.page
+    (warning,) = lake.state("s.warnings.filter(w => w.times.length)")
+    assert warning["times"] == lake.state("s.run.outside[0].spans")
+    bar = page.locator(".doubt[aria-label*='slower than']")
+    entry = page.locator("#warnings details", has_text="slower than the data")
+    bar.click()
+    expect(entry.locator("summary")).to_be_focused()
+    expect(entry).to_have_attribute("open", "")
+    expect(bar).to_have_class(re.compile("focused"))
+
+
+def test_bookmarks_and_the_played_range_are_dragged(lake):
+    page = lake.page
+    page.evaluate("() => window.__studio.clock.seek(5)")
+    page.get_by_test_id("bookmarks").click()
+    page.get_by_test_id("bookmark-add").click()
+    page.keyboard.press("Escape")
+    mark = page.get_by_test_id("mark-bookmark-0")
+    lake.drag(center(mark), (lake.scale("s.x(8) - s.x(5)"), 0.0))
+    page.get_by_test_id("bookmarks").click()
+    expect(page.get_by_test_id("bookmark-0")).to_have_text("8.0 s")
+    page.keyboard.press("Escape")
+    page.evaluate("() => window.__studio.clock.setRange({ from: 4, to: 10 })")
+    end = page.get_by_test_id("range-end-to")
+    lake.drag(center(end), (lake.scale("s.x(14) - s.x(10)"), 0.0))
+    assert page.evaluate("() => window.__studio.clock.range.to") == pytest.approx(14.0, abs=0.1)
+    end.press("ArrowLeft")
+    assert page.evaluate("() => window.__studio.clock.range.to") == pytest.approx(13.8, abs=0.11)
+
+
+def test_a_locked_cell_keeps_its_schedule(lake):
+    page = lake.page
+    address = lake.url.split("?")[0]
+    origin = "/".join(address.split("/")[:3])
+    before = lake.points("Front bellows")
+    answer = page.request.post(f"{address}parts/1/marks", data={"locked": True}, headers={"Origin": origin})
+    assert answer.ok, answer.text()
+    lake.settled("s.components[1].locked === true")
+    expect(page.get_by_role("img", name="Locked").first).to_be_visible()
+    lake.drag(center(lake.point("Front bellows", 1)), (-60.0, 0.0))
+    lake.point("Front bellows", 1).press("Delete")
+    lake.lane("Front bellows").dblclick(position={"x": 300, "y": 12})
+    expect(page.get_by_test_id("lane-hint")).to_contain_text("is locked")
+    assert lake.points("Front bellows") == before
