@@ -47,6 +47,11 @@ def analyses_are_ready() -> bool:
     return _analyses_ready.is_set()
 
 
+def batch_is_compiled() -> bool:
+    """Whether what flies batches is in the cache, or compiled by nobody, so that using it holds nobody up for long."""
+    return _lanes_ready.is_set() or LANES_DONE.exists() or not _compiles()
+
+
 def warm_kernel() -> None:
     """Compile what simulates or load it from its cache; returns once it is ready. Safe to call from any thread."""
     with _lock:

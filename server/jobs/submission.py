@@ -15,7 +15,7 @@ from models.design import Design
 from models.kernel import KERNEL_HASH
 from models.limits import Limits
 from models.problems import DesignError, Problem
-from models.warm import warm_batch
+from models.warm import batch_is_compiled, warm_batch
 from server.jobs.inert import inert_warnings
 from server.jobs.plan import Plan, make_plan
 from server.jobs.spec import JobSpec, checksum, parse_spec
@@ -32,6 +32,8 @@ MOST_CHUNKS = 20_000
 """Chunks of a job beyond which they grow instead: each is a file or two, and a row."""
 LANES = 16
 """Chunks are multiples of this, so that the kernel's lanes are full."""
+UNTIMED = CHUNK_SECONDS / LANES
+"""Guess of how long a case takes where none can be flown yet, s."""
 PROBE_STEPS = 20_000
 MOST_NUMBERS = 20_000_000
 """Most numbers in the trajectories that one chunk keeps."""
@@ -146,7 +148,9 @@ def _seconds_a_case(design: Design, limits: Limits) -> float:
     try:
         assembly = assemble(design, limits)
     except DesignError:  # its cases may be better
-        return CHUNK_SECONDS / LANES
+        return UNTIMED
+    if not batch_is_compiled():  # a machine's first job waits in the queue for that, whoever sent it does not
+        return UNTIMED
     warm_batch()
     for _ in range(2):  # the first run in a process also loads what it needs
         began = time.perf_counter()

@@ -364,6 +364,21 @@ def test_chunks_are_sized_by_time_count_and_memory(monkeypatch):
     assert size(10**9, 0.001, trajectories=list(range(kept + 16))) == kept
 
 
+def test_sending_a_job_does_not_wait_for_the_compiler(monkeypatch):
+    from server.jobs import submission
+    from server.jobs.plan import make_plan
+
+    def never(*_args, **_options):
+        raise AssertionError("flown, though nothing is compiled yet")
+
+    monkeypatch.setattr(submission, "batch_is_compiled", lambda: False)
+    monkeypatch.setattr(submission, "warm_batch", never)
+    monkeypatch.setattr(submission, "run_batch", never)
+    spec = parse_spec(sweep(1000))
+    chunk = submission.chunk_size(make_plan(spec, spec.design, max_cases=1000), DEFAULT_LIMITS, 2)
+    assert chunk == submission.LANES
+
+
 def test_composed_metrics_are_measured(jobs):
     deepest = {"name": "deepest early on", "kind": "statistic", "of": "z", "statistic": "maximum",
                "over": {"kind": "time", "begin": 0.0, "end": 2.0}}  # fmt: skip
