@@ -19,7 +19,7 @@ from models.run import Run
 from models.simulate import Control
 from models.warm import warm_analyses
 from server.analyses import options_sent_at, trim_answer
-from server.answers import json_answer
+from server.answers import series_answer
 from server.running import Runner
 from server.schemas_analyses import TrimOptions
 from server.time_limits import TimeLimits
@@ -47,7 +47,7 @@ class Analyst:
 
         def limited(control: Control) -> Response:
             with _TIME_LIMITS.within(self.settings.preview_seconds, control.cancel):
-                return json_answer(work(control))
+                return series_answer(work(control))
 
         answer = await self._runner.run(self._request, limited)
         answer.headers["Cache-Control"] = "no-store"

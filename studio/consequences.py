@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic_core import to_json
 
 from models.assemble import Assembly
 from models.energy import EnergyBill, Spent, energy_bill
@@ -22,6 +21,7 @@ from models.mass_properties import mass_balance
 from models.run import Run
 from models.stability import QUANTITIES, Quantity, worst_of
 from models.warm import analyses_are_ready, warm_analyses
+from server.answers import series_json
 from studio.consequence_warnings import Warned, warnings_of
 from studio.curves import rounded
 from studio.held_glides import HeldGlide, glide_document, held_glide
@@ -142,10 +142,11 @@ def consequences_document(found: Consequences) -> dict[str, Any]:
 
 def _margins_document(margins: Margins) -> dict[str, Any]:
     worst = [worst_of(quantity, margins.times, margins.series[quantity.name]) for quantity in margins.quantities]
+    times, *series = rounded(np.array([margins.times, *margins.series.values()]))
     return {
         "length": margins.length,
-        "times": rounded(margins.times),
-        "series": {name: rounded(values) for name, values in margins.series.items()},
+        "times": times,
+        "series": dict(zip(margins.series, series, strict=True)),
         "worst": {one.name: {"value": one.value, "time": one.time, "unit": one.unit} for one in worst if one},
     }
 
@@ -227,4 +228,4 @@ class LiveConsequences:
 
 def as_event(document: Mapping[str, Any] | None) -> str:
     """Return consequences as a server-sent event, so that a page need not ask for them."""
-    return f"event: consequences\ndata: {to_json(document, inf_nan_mode='null').decode()}\n\n"
+    return f"event: consequences\ndata: {series_json(document).decode()}\n\n"

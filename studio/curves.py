@@ -35,6 +35,7 @@ SHOWN = {
     ),
 }  # fmt: skip
 """Columns that the page uses as they are."""
+OF_CELL = ("command", "extension")
 MADE_UNITS = {"heading": "rad", "travelled": "m", "q0": "1", "q1": "1", "q2": "1", "q3": "1"}
 
 
@@ -44,6 +45,10 @@ def run_document(run: Run, design: Design) -> dict[str, Any]:
     columns = {name: run.values[name] for name in SHOWN[run.model]} | made_columns(run)
     units = {name: about[0] for name, about in run.variables.items()} | MADE_UNITS
     indices = {c.name: i for i, c in enumerate(design.vehicle.components) if isinstance(c, Actuated)}
+    shown = {"t": run.times} | columns
+    cells = [k for k, name in enumerate(run.cells) if name in indices]
+    of_cells = [run.cell_values[kind][:, k] for k in cells for kind in OF_CELL]
+    drawn = iter(rounded(np.array([column[chosen] for column in (*shown.values(), *of_cells)])))
     return {
         "model": run.model,
         "status": run.status.name,
@@ -55,13 +60,11 @@ def run_document(run: Run, design: Design) -> dict[str, Any]:
         "energy_exchanged": run.energy_exchanged,
         "elapsed_ms": 1e3 * run.statistics["elapsed"],
         "units": {"t": "s"} | {name: units[name] for name in columns},
-        "columns": {"t": rounded(run.times[chosen])}
-        | {name: rounded(column[chosen]) for name, column in columns.items()},
+        "columns": {name: next(drawn) for name in shown},
         "cells": [
-            {"name": name, "component": indices[name], "unit": run.extension_units[k]}
-            | {kind: rounded(run.cell_values[kind][chosen, k]) for kind in ("command", "extension")}
-            for k, name in enumerate(run.cells)
-            if name in indices
+            {"name": run.cells[k], "component": indices[run.cells[k]], "unit": run.extension_units[k]}
+            | {kind: next(drawn) for kind in OF_CELL}
+            for k in cells
         ],
     }
 
@@ -94,12 +97,12 @@ def curve_samples(run: Run, most: int) -> NDArray[np.int64]:
     return np.union1d(choose_samples(leading, most - len(even)), even)
 
 
-def rounded(values: Array) -> list[float]:
+def rounded(values: Array) -> Array:
     """Return values at seven significant digits, whose JSON is short."""
     with np.errstate(divide="ignore", invalid="ignore"):
         exponent = np.floor(np.log10(np.abs(values)))
     exponent = np.where(np.isfinite(exponent), exponent, 0.0)
     # dividing by an exact power of ten rounds once, so that the shortest text of the result has few digits
     scale = 10.0 ** np.clip(DIGITS - 1 - exponent, 0.0, 22.0)
-    shortened: list[float] = (np.round(values * scale) / scale).tolist()
+    shortened: Array = np.round(values * scale) / scale
     return shortened

@@ -14,9 +14,8 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
-from pydantic_core import to_json
-
 from models.problems import DesignError, Problem
+from server.answers import series_json
 from studio.session import Session
 from studio.state import state_of
 from studio.view import View
@@ -75,7 +74,7 @@ def _assembled(client: str, document: dict[str, Any]) -> str:
     modules = _modules(ENTRY)
     addresses = {f"studio/{name}": f"data:text/javascript;base64,{_base64(text)}" for name, text in modules.items()}
     # no text of a design may end the script that it stands in
-    data = to_json(document, inf_nan_mode="null").decode().replace("<", "\\u003c")
+    data = series_json(document).decode().replace("<", "\\u003c")
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
     start = f'import {{ startReplay }} from "studio/{ENTRY}"; startReplay({json.dumps(made)});'
     head = (

@@ -9,7 +9,7 @@ from fastapi.responses import Response
 
 from models.problems import DesignError, Problem
 from models.run import Run
-from server.answers import json_answer
+from server.answers import json_answer, series_answer
 from studio.access import Admitted
 from studio.operations import Document
 from studio.outputs import curves_of, outputs_of
@@ -79,6 +79,6 @@ def _missing(run_id: str) -> str:
 
 
 def _fresh(document: dict[str, Any]) -> Response:
-    answer = json_answer(document)
+    answer = series_answer(document)
     answer.headers["Cache-Control"] = "no-store"
     return answer

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic_core import to_json
-
 from models.components import Rigid, RollingMass, extension_unit
 from models.controllers import names_under_control
 from models.design import Design
@@ -15,6 +13,7 @@ from models.run import Run
 from models.run_warnings import run_warnings
 from models.schedule import Schedule
 from models.water import gravity_of, surface_density
+from server.answers import series_json
 from studio.bodies import drawn_length, pleat
 from studio.consequence_warnings import severity_of
 from studio.curves import run_document
@@ -33,7 +32,7 @@ REFUSED = "The change was refused"
 
 def state_json(session: Session, *, saved_at: str | None) -> bytes:
     """Return the State of a session as JSON."""
-    return to_json(state_of(session, saved_at=saved_at), inf_nan_mode="null")
+    return series_json(state_of(session, saved_at=saved_at))
 
 
 def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:

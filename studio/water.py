@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,11 @@ from studio.scene import add_mesh, vehicle_length
 from studio.scene_current import current_arrows
 
 Array = NDArray[np.float64]
+
+LIKE_LENGTH = 0.1
+"""By how much a vehicle may grow or shrink before the lines around it are spaced anew."""
+MUCH_LARGER = 1.6
+"""How many times as large as wanted a frame may be."""
 
 
 def path_points(run: Run) -> Array:
@@ -51,6 +57,33 @@ def position_at(run: Run, t: float) -> tuple[float, float, float]:
     return now("x"), now("y"), now("z")
 
 
+@dataclass(frozen=True)
+class Frame:
+    """What is drawn around a path: lines in its plane or a room, between two corners, for a vehicle of some length."""
+
+    kind: str
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    length: float
+    bed: float | None
+
+    def suits(self, wanted: Frame, points: Array, margin: float) -> bool:
+        """Whether this frame can stay where another is wanted: around the path all the same, and not much larger."""
+        if (self.kind, self.bed) != (wanted.kind, wanted.bed) or not math.isclose(
+            self.length, wanted.length, rel_tol=LIKE_LENGTH
+        ):
+            return False
+        for i in (0, 1, 2) if self.kind == "space" else (0, 2):
+            # surface and bed bound the frame, whatever the path does there
+            low_enough = self.low[i] <= max(points[:, i].min() - margin, wanted.low[i])
+            high_enough = self.high[i] >= min(points[:, i].max() + margin, wanted.high[i])
+            if not (low_enough and high_enough):
+                return False
+            if self.high[i] - self.low[i] > MUCH_LARGER * (wanted.high[i] - wanted.low[i]):
+                return False
+        return True
+
+
 class WaterNodes:
     """The water around the glider. `/world/path` is one node, whose points alone are sent again after a run."""
 
@@ -58,7 +91,7 @@ class WaterNodes:
         self._scene = scene
         self.frame = scene.add_frame("/world", show_axes=False)
         self._path: Any = None
-        self._frame_of: tuple[object, ...] | None = None
+        self._frame: Frame | None = None
         self._fixed: list[Any] = []
         self._rungs: list[Any] = []
         self._current: list[Any] = []
@@ -94,9 +127,8 @@ class WaterNodes:
         begin = 4.0 * step * math.floor((points[:, 0].min() - reach) / (4.0 * step))
         end = 4.0 * step * math.ceil((points[:, 0].max() + reach) / (4.0 * step))
         low, high = max(low, 0.0), high if bed is None else min(high, bed)
-        wanted = ("plane", low, high, begin, end, step, length, bed)
-        if wanted != self._frame_of:
-            self._clear(wanted)
+        wanted = Frame("plane", (begin, 0.0, low), (end, 0.0, high), length, bed)
+        if self._is_new(wanted, points, reach / 2.0):
             self._draw("grid", grid.plane(low, high, begin, end, step=step, apart=3.5 * length), palette.DEPTH_LINE)
             self._add_sheets((begin, end), (-2.5 * length, 0.0), length, bed)
         self._show_current(design, points)
@@ -104,19 +136,26 @@ class WaterNodes:
     def _frame_space(self, design: Design, points: Array) -> None:
         length, bed = vehicle_length(design), design.mission.environment.bed_depth
         low, high = grid.room_box(points, length, bed)
-        wanted = ("space", *low.round(6).tolist(), *high.round(6).tolist(), length, bed)
-        if wanted != self._frame_of:
-            self._clear(wanted)
+        (x0, y0, z0), (x1, y1, z1) = low.tolist(), high.tolist()
+        if self._is_new(Frame("space", (x0, y0, z0), (x1, y1, z1), length, bed), points, length):
             self._draw("room", grid.room(low, high), palette.WALL_LINE)
-            self._add_sheets((low[0], high[0]), (low[1], high[1]), length, bed)
+            self._add_sheets((x0, x1), (y0, y1), length, bed)
         self._show_rungs(grid.rungs(points, length))
         self._show_current(design, points)
 
-    def _clear(self, wanted: tuple[object, ...]) -> None:
-        self._frame_of = wanted
+    def _is_new(self, wanted: Frame, points: Array, margin: float) -> bool:
+        """Whether a frame must be drawn anew, and if so take the old one away; it stays while it still suits.
+
+        Dozens of labels are most of what a redraw costs: while somebody drags, a path that moves a little keeps them.
+        """
+        drawn = self._frame
+        if drawn is not None and drawn.suits(wanted, points, margin):
+            return False
+        self._frame = wanted
         for node in (*self._fixed, *self._rungs[:1]):  # labels are children: they leave with their lines
             node.remove()
         self._fixed, self._rungs = [], []
+        return True
 
     def _draw(self, name: str, drawn: Lines, color: str) -> None:
         root = f"/world/{name}"

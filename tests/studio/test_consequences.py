@@ -20,6 +20,7 @@ from models.run import Run
 from models.simulate import simulate
 from models.stability import stability_over
 from models.trim import find_trims
+from server.answers import series_json
 from studio.consequence_warnings import warnings_of
 from studio.consequences import (
     Consequences,
@@ -91,7 +92,7 @@ class TestTheTrims:
         assert glide.trim is None and glide.rest is not None
         assert glide.why is not None and "weighs what it displaces" in glide.why
         assert "no steady glide with the cells as held 0 to 20 s" in messages(found, "warn")
-        document = json.loads(json.dumps(consequences_document(found)))
+        document = json.loads(series_json(consequences_document(found)))
         assert document["holds"][0]["trim"] is None
         assert document["holds"][0]["rest"]["pitch"] == pytest.approx(glide.rest.pitch)
 

@@ -154,16 +154,16 @@ def test_the_view_follows_from_space_into_the_plane_and_back(kernel: None, caplo
     session = Session("a-spiral-three", spiral(duration=300.0))
     view = View(session)
     told = []
-    session.subscribe(lambda change: told.append(view.water._frame_of))
+    session.subscribe(lambda change: told.append(view.water._frame))
     try:
         for duration in (60.0, 600.0, 30.0):  # more rungs, fewer, none
             session.set_field("/mission/duration", duration)
             wait_until(lambda: not session.simulating, timeout=60.0)
         session.replace(load_preset("canete-dual-bellows"))
-        wait_until(lambda: not session.simulating and told[-1][0] == "plane")
+        wait_until(lambda: not session.simulating and told[-1].kind == "plane")
         session.undo()
         session.set_field("/mission/duration", 400.0)
-        wait_until(lambda: not session.simulating and told[-1][0] == "space", timeout=60.0)
+        wait_until(lambda: not session.simulating and told[-1].kind == "space", timeout=60.0)
         assert "failed" not in caplog.text
     finally:
         view.close()
