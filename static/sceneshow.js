@@ -25,7 +25,6 @@ export function connectScene({ store, clock, onKey }) {
 
   const viewer = new Viewer($("view"), {
     visibilityOf: (name) => visibility(name, shown()),
-    onDock: (left) => document.documentElement.style.setProperty("--dock", `${left}px`),
     onLink: (viewerLinked) => store.set({ viewerLinked }),
     onKey,
     // A part that is dragged moves along the axes of the glider as this page shows it, which the server does not know.

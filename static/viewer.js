@@ -23,8 +23,8 @@ const messages = {
 };
 
 export class Viewer {
-  constructor(iframe, { visibilityOf, onDock, onLink, onKey, onGrab, postClock }) {
-    Object.assign(this, { iframe, visibilityOf, onDock, onLink, onKey, onGrab, postClock });
+  constructor(iframe, { visibilityOf, onLink, onKey, onGrab, postClock }) {
+    Object.assign(this, { iframe, visibilityOf, onLink, onKey, onGrab, postClock });
     this.wanted = new Map();
     this.poseUpdates = 0;
     this.loadedAt = performance.now();
@@ -120,7 +120,6 @@ export class Viewer {
     this.watchLink(mutable);
     if (!mutable) return;
     this.everReady = true;
-    this.measureDock(mutable);
     const tree = this.tree();
     if (!tree || mutable.messageQueue.length > 0) return;
     const corrections = [];
@@ -145,12 +144,6 @@ export class Viewer {
       const visible = this.visibilityOf(name);
       if (visible !== null && (node?.visibility ?? true) !== visible) corrections.push(messages.visible(name, visible));
     }
-  }
-
-  // Overlays keep clear of the panel that the client docks at the left.
-  measureDock(mutable) {
-    const left = mutable.canvas?.getBoundingClientRect().left ?? 0;
-    if (left !== this.dock) this.onDock((this.dock = left));
   }
 
   // Lost: a client that says so, one that was there and is gone, or an error page (of another origin: no document).
