@@ -77,7 +77,7 @@ def test_a_warning_leads_to_its_field_and_its_time(studio):
     warning = page.get_by_test_id("warnings").locator("details", has_text="is at its upper stop")
     warning.locator("summary").click()
     expect(warning).to_have_attribute("data-severity", "note")
-    warning.get_by_role("button", name=re.compile("Show Front bellows: extension range")).click()
+    warning.get_by_role("button", name=re.compile("Show Front bellows: stroke")).click()
     page.wait_for_function("() => document.querySelector('#parts').contains(document.activeElement)")
     warning.locator(".time-link").first.click()
     assert page.evaluate("() => window.__studio.clock.t") == pytest.approx(10.0, abs=0.2)
@@ -146,6 +146,7 @@ def test_the_polars_show_the_trims_and_the_run_its_error(studio):
     assert 0.0 < float(page.get_by_test_id("error-z").get_attribute("data-value")) < 1e-4
     # a group stays as it was left
     page.locator("[data-group=margins] > summary").click()
+    page.wait_for_function("() => JSON.parse(localStorage.getItem('glider-studio.groups'))?.margins === false")
     page.reload()
     StudioPage(page)
     expect(page.get_by_test_id("margins")).to_be_hidden()

@@ -126,7 +126,7 @@ def test_a_failed_case_tells_why_and_offers_what_can_work(program, watched, api,
     expect(note).to_contain_text(f"Case {n} was refused")
     pointer, _, why = failed["reason"].partition(": ")
     expect(note).to_contain_text(pointer)
-    expect(note).to_contain_text(why)
+    expect(note).to_contain_text(why[0].upper() + why[1:])
     expect(note).to_contain_text("Time −")
     expect(page.get_by_test_id("paths")).to_be_hidden()
     expect(page.get_by_test_id("paths-hint")).to_contain_text(f"Case {n} has no path")
