@@ -33,6 +33,6 @@ class Schedule(Description):
         for k, (a, b) in enumerate(pairwise(self.points)):
             if not a.time < b.time:
                 raise ValueError(
-                    f"times must rise: point {k + 1} of '{self.cell}' is at {b.time} s, not after {a.time} s"
+                    f"times must rise: point {k + 2} of '{self.cell}' is at {b.time} s, not after {a.time} s"
                 )
         return self

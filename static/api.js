@@ -28,7 +28,7 @@ export async function call(method, url, body) {
   try {
     response = await fetch(url, init);
   } catch {
-    throw new ApiError({ title: "The studio cannot be reached", detail: "Check that it is still running, then try again.", status: 0 });
+    throw new ApiError({ title: "The studio cannot be reached", detail: "Check that it is still running, then try again.", status: 0, unreachable: true });
   }
   if (!response.ok) throw new ApiError(await readProblem(response));
   return response.status === 204 ? null : response.json();

@@ -11,6 +11,7 @@ export class Clock {
     this.loop = false;
     this.range = null; // {from, to}, or null for the whole run
     this.playing = false;
+    this.ranOut = false; // whether playing came to the end of what is played, and nothing was done since
     this.listeners = [];
     this.last = 0;
     this.request = 0;
@@ -41,6 +42,7 @@ export class Clock {
   }
 
   seek(t) {
+    this.ranOut = false;
     this.t = Math.min(Math.max(t, 0), this.end);
     this.tell();
   }
@@ -59,12 +61,15 @@ export class Clock {
 
   setLoop(loop) {
     this.loop = loop;
-    this.tell();
+    // A range whose end stopped the play goes round from now on.
+    if (loop && this.range && this.ranOut) return this.play();
+    return this.tell();
   }
 
   // The whole run is no range.
   setRange(range) {
     this.range = range && this.within(range);
+    this.ranOut = false;
     this.tell();
   }
 
@@ -90,6 +95,7 @@ export class Clock {
     const { from, to } = this.played;
     if (this.t < from || this.t >= to - SAME) this.t = from;
     this.playing = true;
+    this.ranOut = false;
     this.last = performance.now();
     this.tell();
     this.schedule();
@@ -126,6 +132,7 @@ export class Clock {
       else {
         t = to;
         this.playing = false;
+        this.ranOut = true;
       }
     }
     this.t = t;

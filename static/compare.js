@@ -59,11 +59,17 @@ export function connectCompare({ store }) {
     if (!(await ask(() => renameRun(kept.id, field.value.trim())))) field.value = kept.name;
   }
 
+  let first = null; // kept where there was no reference: it becomes one as soon as the state tells of it
   async function keep() {
     if ($("keep").disabled) return;
     const answer = await ask(() => keepRun($("keep-name").value.trim()));
-    if (answer) $("keep-name").value = "";
-    else menu.open = true;
+    if (!answer) {
+      menu.open = true;
+      return;
+    }
+    $("keep-name").value = "";
+    if (store.get("reference") === null) first = answer.id;
+    show();
   }
 
   let drawn = "";
@@ -72,6 +78,11 @@ export function connectCompare({ store }) {
     const kept = state?.kept ?? [];
     const reference = store.get("reference");
     if (reference && state && !kept.some(({ id }) => id === reference)) return choose(null);
+    if (kept.some(({ id }) => id === first)) {
+      const id = first;
+      first = null;
+      if (reference === null) return choose(id);
+    }
     $("keep").disabled = !state?.run || kept.length >= MOST;
     $("keep").title = kept.length >= MOST ? `${MOST} runs are kept, the most that can be: delete one first` : "Keep this glide to compare with (K)";
     setText($("compare-count"), kept.length ? String(kept.length) : "");

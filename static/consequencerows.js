@@ -9,8 +9,12 @@ const trim = (key) => ({ hold }) => hold?.trim?.[key];
 const percent = (v, digits = 1) => fixed(100 * v, digits);
 const newtons = (v) => fixed(v, Math.abs(v) >= 10 ? 2 : 4);
 
-// Where nothing disturbs it any more: 1/e of a disturbance is left after this long.
-const settles = ({ hold }) => (hold?.trim && Math.abs(hold.trim.growth) > 1e-7 ? 1 / Math.abs(hold.trim.growth) : undefined);
+const NEUTRAL = 1e-7; // 1/s: slower, a disturbance neither dies out nor grows
+
+// Where nothing disturbs it any more: 1/e of a disturbance is left after this long, or it has doubled.
+const settles = ({ hold }) => (hold?.trim?.growth < -NEUTRAL ? -1 / hold.trim.growth : undefined);
+const doubles = ({ hold }) => (hold?.trim?.growth > NEUTRAL ? Math.LN2 / hold.trim.growth : undefined);
+const seconds = (v) => fixed(v, v < 10 ? 2 : 1);
 
 function margin(name) {
   return ({ consequences, t }) => {
@@ -38,7 +42,8 @@ export const TRIM = [
   ["trim-glide-ratio", "Glide ratio", "", (v) => fixed(v, 2), trim("glide_ratio"), "Horizontal way per change of depth"],
   ["trim-sink-rate", "Sink rate", "m/s", (v) => fixed(v, 4), trim("sink_rate"), "Vertical speed, down positive"],
   ["trim-turn-radius", "Turn radius", "m", radius, ({ hold }) => hold?.trim && (hold.trim.turn_radius ?? Infinity), "Over ground, to the right positive", { model: sideways, endless: true }],
-  ["trim-settles", "Settles in", "s", (v) => fixed(v, v < 10 ? 2 : 1), settles, "Time to 1/e of the slowest small motion; see the modes. Depth and extensions are held"],
+  ["trim-settles", "Settles in", "s", seconds, settles, "Time to 1/e of the slowest small motion; see the modes. Depth and extensions are held", { optional: true }],
+  ["trim-doubles", "Doubles in", "s", seconds, doubles, "Time in which the fastest growing small motion doubles; see the modes. Depth and extensions are held", { optional: true }],
 ];
 
 export const BALANCE = [
@@ -60,8 +65,8 @@ const length = ({ consequences }) => consequences.margins?.length;
 export const MARGINS = [
   ["margin-pitch-stiffness", "Hydrostatic, pitch", "mm", millimetres, margin("pitch_stiffness"), "Righting moment per angle over the weight, about body y; at the clock, and the least of the run", { note: worst("pitch_stiffness", (v) => `${millimetres(v)} mm`), warn: true }],
   ["margin-roll-stiffness", "Hydrostatic, roll", "mm", millimetres, margin("roll_stiffness"), "Righting moment per angle over the weight, about body x; at the clock, and the least of the run", { model: sideways, note: worst("roll_stiffness", (v) => `${millimetres(v)} mm`), warn: true }],
-  ["margin-pitch", "Hydrodynamic, pitch", "% L", (v) => percent(v, 2), margin("pitch_margin"), "Centre of mass ahead of the point where a change of lift acts, by the vehicle's length; below 0 the flow turns it over, and weight must right it", { note: worst("pitch_margin", (v) => `${percent(v, 2)} %`), warn: true }],
-  ["margin-yaw", "Hydrodynamic, yaw", "% L", (v) => percent(v, 2), margin("yaw_margin"), "Centre of mass ahead of the point where a change of side force acts, by the vehicle's length", { model: sideways, note: worst("yaw_margin", (v) => `${percent(v, 2)} %`), warn: true }],
+  ["margin-pitch", "Hydrodynamic, pitch", "% L", (v) => percent(v, 2), margin("pitch_margin"), "Centre of mass ahead of the point where a change of lift acts, by the vehicle's length; below 0 the flow turns it over, and weight must right it", { note: worst("pitch_margin", (v) => `${percent(v, 2)} % L`), warn: true }],
+  ["margin-yaw", "Hydrodynamic, yaw", "% L", (v) => percent(v, 2), margin("yaw_margin"), "Centre of mass ahead of the point where a change of side force acts, by the vehicle's length", { model: sideways, note: worst("yaw_margin", (v) => `${percent(v, 2)} % L`), warn: true }],
   ["margin-length", "Length L", "m", metres, length, "Of the vehicle along x: what the hydrodynamic margins count by"],
 ];
 

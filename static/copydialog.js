@@ -2,6 +2,7 @@
 
 import { el, setText } from "./dom.js";
 import { fixed } from "./format.js";
+import { refusalBox, showRefusal } from "./refusal.js";
 import { GAP } from "./schedule.js";
 import { converted, shifted, stretched } from "./schedulecopy.js";
 
@@ -11,15 +12,17 @@ const field = (label, input, unit) => el("label", { class: "field" }, el("span",
 const option = ([value, words]) => el("option", { value }, words);
 
 export class CopyDialog {
-  // set: lanes, put(lane, points)
+  // set: lanes, put(cell, points), which answers the problem why it was refused, or null
   constructor(set) {
     this.set = set;
+    this.waiting = false;
     this.to = el("select", { "data-testid": "copy-to" });
     this.how = el("select", { "data-testid": "copy-how" }, ...MIRRORS.map(option));
     this.later = el("input", { type: "number", step: "any", value: "0", required: true, "data-testid": "copy-later" });
     this.factor = el("input", { type: "number", step: "any", min: "0.001", value: "1", required: true, "data-testid": "copy-factor" });
     this.wrap = el("input", { type: "checkbox", "data-testid": "copy-wrap" });
     this.note = el("p", { class: "fine", role: "status", "data-testid": "copy-note" });
+    this.refusal = refusalBox("copy-refused");
     this.title = el("h2", { id: "copy-title" });
     this.apply = el("button", { type: "submit", class: "btn primary", "data-testid": "copy-apply" });
     this.root = this.build();
@@ -30,10 +33,13 @@ export class CopyDialog {
     const cancel = el("button", { type: "button", class: "btn", "data-testid": "copy-cancel", onclick: () => this.root.close() }, "Cancel");
     const form = el("form", { method: "dialog", class: "body" }, this.title, field("To", this.to), field("Extensions", this.how),
       field("Later by", this.later, "s"), field("Stretched", this.factor, "×"),
-      el("label", { class: "check" }, this.wrap, "Wrap round the end of the mission"), this.note,
+      el("label", { class: "check" }, this.wrap, "Wrap round the end of the mission"), this.note, this.refusal,
       el("div", { class: "actions" }, cancel, this.apply));
     form.addEventListener("input", () => this.show());
-    form.addEventListener("submit", () => this.send());
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.send();
+    });
     return el("dialog", { class: "dialog copy-schedule", "aria-labelledby": "copy-title", "data-testid": "copy-dialog" }, form);
   }
 
@@ -73,6 +79,7 @@ export class CopyDialog {
   }
 
   show() {
+    showRefusal(this.refusal, null);
     setText(this.apply, this.target === this.lane ? "Apply" : "Copy");
     const made = this.made();
     const beyond = made?.points.filter(({ time }) => time > this.lane.duration).length;
@@ -86,8 +93,14 @@ export class CopyDialog {
     this.apply.disabled = !made?.points.length;
   }
 
-  send() {
+  // Open until the server has taken it: what was typed must not be lost with a refusal.
+  async send() {
     const made = this.made();
-    if (made?.points.length && !this.target.fixed) this.set.put(this.target, made.points);
+    if (!made?.points.length || this.waiting) return;
+    this.waiting = true;
+    const problem = await this.set.put(this.to.value, made.points);
+    this.waiting = false;
+    if (problem) showRefusal(this.refusal, problem);
+    else this.root.close();
   }
 }

@@ -32,3 +32,14 @@ export function swatch(color) {
   node.style.background = color;
   return node;
 }
+
+const FLASH = 1600; // ms
+const flashing = new WeakMap();
+
+// Draws the eye to where something led.
+export function flash(node) {
+  clearTimeout(flashing.get(node));
+  node.classList.remove("flash");
+  requestAnimationFrame(() => node.classList.add("flash"));
+  flashing.set(node, setTimeout(() => node.classList.remove("flash"), FLASH));
+}

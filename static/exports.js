@@ -1,6 +1,7 @@
 // What the export menu makes beside plain downloads: a picture of the view, and the glide as one HTML file.
 
 import { $, el } from "./dom.js";
+import { notesOf } from "./picture.js";
 
 const RELEASE_AFTER = 10_000; // ms; a browser has long begun to save by then
 
@@ -34,7 +35,7 @@ async function fetchReplay(signal) {
   return answer.blob();
 }
 
-export function connectExports({ store, viewer }) {
+export function connectExports({ store, clock, viewer }) {
   const nameOf = (ending) => fileName(store.get("state").name, ending);
   const refuse = (problem) => store.set({ rejected: problem, rejectedHere: true });
   let making = false;
@@ -56,7 +57,7 @@ export function connectExports({ store, viewer }) {
   }
 
   async function picture() {
-    const blob = await viewer.picture();
+    const blob = await viewer.picture(notesOf(store.get("state"), clock, store.get("view")));
     if (blob) save(blob, nameOf("png"));
     else refuse({ title: "The view has no picture yet", detail: "It is still loading: export again when the glider is seen." });
   }

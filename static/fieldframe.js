@@ -1,6 +1,7 @@
 // What rows of the left panel have in common: their frame, the column of units, and the place where a refusal is told.
 
 import { el, setText } from "./dom.js";
+import { inUnits } from "./fieldbounds.js";
 import { chooseUnit, unitNow, unitsOf } from "./unitchoice.js";
 
 let count = 0;
@@ -26,7 +27,7 @@ export function problemNode() {
   const node = el("p", { class: "field-problem", role: "alert", "data-testid": "field-problem", hidden: true });
   const tell = (problem) => {
     node.hidden = !problem;
-    const [error] = problem?.errors ?? [];
+    const [error] = (problem?.errors ?? []).map(inUnits);
     // Below the edge of a short panel nobody would see it.
     if (problem) requestAnimationFrame(() => node.scrollIntoView({ block: "nearest" }));
     setText(node, problem ? [error?.message ?? problem.detail ?? problem.title, error?.hint].filter(Boolean).join(". ") : "");

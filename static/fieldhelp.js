@@ -1,12 +1,16 @@
-// The help beside a field: its sentence, symbol, limits and its value in SI, on hover and on focus.
+// The help beside a field: its sentence, symbol, limits and its value in SI as it is now. It opens on hover, on F1, and
+// where the focus rests; beside the panel over the 3D view, so that it covers neither fields nor the timeline.
 
-import { el } from "./dom.js";
-import { shown, unitNow } from "./unitchoice.js";
+import { $, el } from "./dom.js";
+import { shown, typed, unitNow } from "./unitchoice.js";
 
 const PATIENCE = 450; // ms of a pointer at rest
+const PAUSE = 1500; // ms without a key in a box
+const GAP = 8;
 
 let box = null;
 let timer = null;
+let told = null; // the row that the help is about: {spec(), root}
 
 function made() {
   if (!box) {
@@ -16,7 +20,7 @@ function made() {
   return box;
 }
 
-const told = (value) => (typeof value === "number" ? String(Number(value.toPrecision(7))) : Array.isArray(value) && value.every((v) => typeof v === "number") ? `[${value.map(told).join(", ")}]` : null);
+const figures = (value) => (typeof value === "number" ? String(Number(value.toPrecision(7))) : Array.isArray(value) && value.every((v) => typeof v === "number") ? `[${value.map(figures).join(", ")}]` : null);
 
 function limits({ low, high, aboveLow, quantity, unit }) {
   const { symbol } = unitNow(quantity, unit);
@@ -25,45 +29,80 @@ function limits({ low, high, aboveLow, quantity, unit }) {
   return parts.length ? parts.join(" ") : null;
 }
 
-function lines(spec) {
+// What stands in the boxes, where it is not the document's yet; what is no number has no value.
+function valueNow(spec, root) {
+  const { quantity, unit, value, row } = spec;
+  const standing = (input, given) => (input?.matches("[data-draft], [aria-invalid]") ? typed(input.value, quantity, unit) : given);
+  if (row === "number") return standing(root.querySelector(".field-box"), value);
+  if (row === "vector" && Array.isArray(value)) return value.map((given, k) => standing(root.querySelectorAll(".field-box")[k], given));
+  return value;
+}
+
+function lines(spec, root) {
   const si = spec.unit && spec.unit !== "1" ? spec.unit : "";
-  const value = told(spec.value);
+  const value = figures(valueNow(spec, root));
   return [
     ["Symbol", spec.symbol || null],
     ["Limits", limits(spec)],
-    ["Value", value === null ? null : `${value} ${si}`.trim()],
+    ["In SI now", value === null ? null : `${value} ${si}`.trim()],
     ["In the file", spec.pointer || null],
   ].filter(([, text]) => text);
 }
 
-function show(spec, anchor) {
+function write() {
+  const spec = told.spec();
+  box.replaceChildren(el("p", {}, spec.about), el("dl", {}, ...lines(spec, told.root).map(([name, text]) => el("div", {}, el("dt", {}, name), el("dd", {}, text)))));
+}
+
+function show(spec, root) {
   const node = made();
-  const { left, right, top } = anchor.getBoundingClientRect();
-  node.replaceChildren(el("p", {}, spec.about), el("dl", {}, ...lines(spec).map(([name, text]) => el("div", {}, el("dt", {}, name), el("dd", {}, text)))));
+  told = { spec, root };
+  timer = null;
+  write();
   node.hidden = false;
-  node.style.left = `${right + node.offsetWidth + 24 < innerWidth ? right + 18 : Math.max(left - node.offsetWidth - 12, 4)}px`;
-  node.style.top = `${Math.max(Math.min(top - 4, innerHeight - node.offsetHeight - 8), 4)}px`;
+  const scene = document.querySelector("main.scene").getBoundingClientRect();
+  node.style.maxHeight = `${scene.height - 2 * GAP}px`;
+  node.style.left = `${Math.max(Math.min($("parts").getBoundingClientRect().right + GAP, innerWidth - node.offsetWidth - GAP), GAP)}px`;
+  node.style.top = `${Math.max(Math.min(root.getBoundingClientRect().top - 4, scene.bottom - node.offsetHeight - GAP), scene.top + GAP)}px`;
 }
 
 export function hideHelp() {
   clearTimeout(timer);
+  timer = told = null;
   if (box) box.hidden = true;
+}
+
+// After the values or the units changed.
+export function refreshHelp() {
+  if (told && !told.root.isConnected) hideHelp();
+  else if (told) write();
 }
 
 // specOf answers the row's present spec; nothing is told of a row without a sentence.
 export function helpOn(root, specOf) {
-  const open = () => specOf().about && root.isConnected && show(specOf(), root);
-  root.addEventListener("pointerenter", () => {
+  const open = () => specOf().about && root.isConnected && show(specOf, root);
+  const openAfter = (wait) => {
     clearTimeout(timer);
-    timer = setTimeout(open, PATIENCE);
-  });
+    timer = setTimeout(open, wait);
+  };
+  root.addEventListener("pointerenter", () => openAfter(PATIENCE));
   root.addEventListener("pointerleave", hideHelp);
   root.addEventListener("pointerdown", hideHelp);
   root.addEventListener("focusin", (event) => {
     if (!event.target.matches(":focus-visible")) return;
-    open();
+    openAfter(PAUSE);
     event.target.setAttribute("aria-describedby", "field-help");
   });
   root.addEventListener("focusout", hideHelp);
-  root.addEventListener("keydown", (event) => event.key === "Escape" && hideHelp());
+  root.addEventListener("input", refreshHelp);
+  root.addEventListener("keydown", (event) => key(event, open, openAfter), true); // before the box takes Escape
+}
+
+function key(event, open, openAfter) {
+  if (event.key === "Escape") hideHelp();
+  else if (event.key === "F1") {
+    event.preventDefault();
+    hideHelp();
+    open();
+  } else if (timer !== null) openAfter(PAUSE);
 }

@@ -2,6 +2,7 @@
 // A refused number stays in the box as a draft until it is mended, given up by Escape, or another change is accepted.
 
 import { el } from "./dom.js";
+import { rememberUnit } from "./fieldbounds.js";
 import { nextUnit, shown, typed, unitNow } from "./unitchoice.js";
 
 const COARSE = 10; // of a step with Shift held, and of a fine one with Alt
@@ -13,12 +14,22 @@ export class NumberBox {
   // send(value) answers {ok, revision, problem}, or undefined where a later value took its place;
   // onRefused(problem) is told of a refusal, and null once it is over.
   constructor(spec, { send, onRefused = () => {}, label = spec.label, id = null }) {
-    Object.assign(this, { spec, send, onRefused, pending: 0, until: 0, revision: 0, refusedAt: null, draft: null, dirty: false });
+    Object.assign(this, { spec, send, onRefused, pending: 0, until: 0, revision: 0, refusedAt: null, draft: null });
     this.input = el("input", { class: "field-box", type: "text", inputmode: "decimal", autocomplete: "off", spellcheck: "false", "aria-label": id ? null : label, id, placeholder: spec.placeholder ?? (spec.nullable ? "none" : null) });
+    rememberUnit(spec);
     this.input.addEventListener("focus", () => this.input.select());
     this.input.addEventListener("input", () => (this.dirty = true));
     this.input.addEventListener("blur", () => this.dirty && this.take());
     this.input.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  // Whether there is text that the document has not got; keys.js asks, too.
+  get dirty() {
+    return this.input.hasAttribute("data-draft");
+  }
+
+  set dirty(on) {
+    this.input.toggleAttribute("data-draft", on);
   }
 
   get unit() {

@@ -70,14 +70,19 @@ function controlRow(spec, env, control, { show, read, wide = false }) {
   let now = spec;
   let refusedAt = null;
   let revision = 0;
+  let until = 0;
   const send = async () => {
     const answer = await env.change(now, read());
+    until = answer?.revision ?? 0;
+    control.removeAttribute("data-draft");
     if (answer?.ok === false) {
       refusedAt = Math.max(revision, answer.revision);
       problem.tell(answer.problem);
-      if (!wide) show(now.value);
+      if (wide) control.setAttribute("data-draft", "");
+      else show(now.value);
     } else problem.tell(null);
   };
+  control.addEventListener("input", () => control.setAttribute("data-draft", ""));
   control.addEventListener("change", send);
   const root = frame(spec, wide ? "wide" : "plain", el("label", { class: "field-label", for: control.id }, spec.label), control, problem.node);
   return {
@@ -86,8 +91,8 @@ function controlRow(spec, env, control, { show, read, wide = false }) {
       now = next;
       revision = at;
       if (refusedAt !== null && at > refusedAt) problem.tell((refusedAt = null));
-      if (refusedAt === null && document.activeElement !== control) show(next.value);
-      else if (refusedAt === null && control.tagName === "SELECT") show(next.value);
+      const held = document.activeElement === control && (control.hasAttribute("data-draft") || at < until);
+      if (refusedAt === null && !held) show(next.value);
     },
   };
 }

@@ -62,3 +62,21 @@ export function entryWords(name, count, of) {
   if (count === 2 && /velocity|shear|center|point/.test(name)) return ["north", "east"];
   return Array.from({ length: count }, (_, k) => String(k + 1));
 }
+
+const VECTOR = /position|center_of_mass|pivot|axis|offset|direction$/;
+
+// What a pointer leads to, as the page calls it, without its first `skip` names: "position y", "mass", "Front at start".
+export function fieldWords(pointer, skip = 0) {
+  const names = pointer.split("/").slice(1 + skip).map((name) => name.replaceAll("~1", "/").replaceAll("~0", "~"));
+  const last = names.findLastIndex((name) => !/^\d+$/.test(name));
+  if (last < 0) return "";
+  const [of, name] = [names[last - 1] ?? "", names[last]];
+  if (of === "extensions") return `${name} at start`;
+  if (of === "effort") return `${name}: effort`;
+  const label = labelOf(name, of);
+  const words = /^[A-Z][a-z]/.test(label) ? label.charAt(0).toLowerCase() + label.slice(1) : label;
+  const entry = names[last + 1];
+  if (entry === undefined) return words;
+  const axis = name.endsWith("_range") ? entryWords(name, 2, of)[entry] : VECTOR.test(name) ? AXES[entry] : null;
+  return axis ? `${words} ${axis}` : `${words}, entry ${Number(entry) + 1}`;
+}

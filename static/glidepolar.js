@@ -1,4 +1,4 @@
-// The glide polar: vertical over horizontal speed at some heaves of the cells, the best points, and the trims of the
+// The glide polar: vertical over horizontal speed at some common strokes of the cells, the best points, and the trims of the
 // schedule. A path angle is a ray from the corner, so what glides farthest lies on the flattest ray.
 
 import { call } from "./api.js";
@@ -74,6 +74,22 @@ function legendRow(shape, name, trim, words) {
 
 const CIRCLE = "M-4.5 0a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0-9 0z";
 
+const NEAR = 8; // of the drawing: closer, two of the best points are one to the eye
+
+// The names at the best points; of those that lie on one another, both.
+function bestNames(best, { x, y }) {
+  const places = [];
+  for (const { name, horizontal_speed: u, sink_rate: z } of best) {
+    const there = places.find((place) => Math.hypot(place.x - x(u), place.y - y(z)) < NEAR);
+    if (there) there.names.push(name);
+    else places.push({ x: x(u), y: y(z), names: [name] });
+  }
+  return places.map((place) => {
+    const left = place.x > WIDTH / 2;
+    return text(place.x + (left ? -9 : 9), place.y - 7, place.names.join(" · "), left ? "end" : "start");
+  });
+}
+
 export class GlidePolarView {
   constructor({ store, clock }) {
     Object.assign(this, { store, clock, found: null, asked: null });
@@ -113,11 +129,11 @@ export class GlidePolarView {
       ...best.map((trim, k) => pointNode(trim, `${trim.name}: ${told(trim)}`, MARKS[k % MARKS.length], "best", scale)),
       ...holds.map((hold) => pointNode(hold.trim, `Trim held ${spansText(hold.spans, this.clock.end)}: ${told(hold.trim)}`, CIRCLE, hold === now ? "trim-mark now" : "trim-mark", scale)),
     ];
-    $("glide-polar-plot").replaceChildren(svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": "Sink rate over horizontal speed, at some heaves of the cells" },
-      ...axes(scale), ...rays(scale).filter(Boolean), ...curves.flatMap((curve) => curveNodes(curve, scale)), ...marks));
+    $("glide-polar-plot").replaceChildren(svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": "Sink rate over horizontal speed, at some volumes that the cells add or take together" },
+      ...axes(scale), ...rays(scale).filter(Boolean), ...curves.flatMap((curve) => curveNodes(curve, scale)), ...marks, ...bestNames(best, scale)));
     $("glide-polar-legend").replaceChildren(
       ...holds.map((hold) => legendRow(CIRCLE, hold === now ? "trim-mark now" : "trim-mark", hold.trim, `Trim ${spansText(hold.spans, this.clock.end)}`)),
       ...best.map((trim, k) => legendRow(MARKS[k % MARKS.length], "best", trim, trim.name)));
-    setText($("glide-polar-words"), `${curves.length} heaves of the cells, from a quarter of the stroke to the stops; dashed where the glide is unstable. Energy is ${this.found.energy}.`);
+    setText($("glide-polar-words"), `${curves.length} lines, one for each amount by which all cells swell or shrink together, from a quarter of the stroke to the stops; dashed where the glide is unstable. Energy is ${this.found.energy}.`);
   }
 }

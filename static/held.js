@@ -7,6 +7,7 @@ export function heldAt(consequences, t) {
   let found = null;
   for (const [index, hold] of (consequences?.holds ?? []).entries()) {
     for (const span of hold.spans) {
+      if (!hold.reached) continue;
       const begun = span[0] <= t + 1e-9;
       const better = !found || (begun ? found.span[0] > t || span[0] > found.span[0] : found.span[0] > t && span[0] < found.span[0]);
       if (better) found = { hold, index, span };

@@ -14,7 +14,7 @@ export class Hover {
   // describe(target, t) answers {rows: [[name, value, ...]], notes: [text]} or null where there is nothing to tell; a
   // value may be [text, colour]
   constructor({ scale, describe, onMove }) {
-    Object.assign(this, { scale, describe, onMove });
+    Object.assign(this, { scale, describe, onMove, last: null });
     $("rows").addEventListener("pointermove", (event) => this.move(event));
     $("rows").addEventListener("pointerleave", () => this.leave());
   }
@@ -30,6 +30,7 @@ export class Hover {
     const t = this.scale.t(x);
     const told = this.describe(event.target, t);
     if (!told) return this.leave();
+    this.last = event;
     $("hover-line").hidden = false;
     $("hover-line").style.transform = `translateX(${this.left + x}px)`;
     this.onMove(t);
@@ -37,7 +38,13 @@ export class Hover {
     return this.show(rows, told.notes, { x: event.clientX - box.left, y: event.clientY - box.top });
   }
 
+  // What is told may have changed under a pointer at rest.
+  refresh() {
+    if (this.last) this.move(this.last);
+  }
+
   leave() {
+    this.last = null;
     $("hover-line").hidden = true;
     $("tip").hidden = true;
     this.onMove(null);

@@ -49,6 +49,11 @@ function matches({ key, ctrl, alt, shift }, event) {
 
 const isText = (target) => /^(TEXTAREA|SELECT)$/.test(target.tagName) || target.isContentEditable || (target.tagName === "INPUT" && !/^(range|checkbox|radio|button|file)$/.test(target.type));
 
+// A box whose text is the document's has nothing of its own to undo: there the document's last edit is undone.
+function undoesHere({ target, key }) {
+  return /^[zy]$/i.test(key) && target.matches("#parts :is(.field-box, .field-text, select):not([data-draft], [aria-invalid])");
+}
+
 // What the element with the focus does with the key itself.
 function takes(target, key) {
   if (!target?.tagName) return false;
@@ -64,7 +69,9 @@ export function pressKey(event) {
   if (event.defaultPrevented || document.querySelector("dialog[open]")) return;
   const { target } = event;
   const modified = event.ctrlKey || event.metaKey;
-  if (target?.tagName && (isText(target) || takes(target, event.key)) && !(modified && event.key.toLowerCase() === "s")) return;
+  const passes = modified && target?.tagName && (event.key.toLowerCase() === "s" || undoesHere(event));
+  if (target?.tagName && (isText(target) || takes(target, event.key)) && !passes) return;
+  if (passes && undoesHere(event)) event.preventDefault(); // the browser's own undo would write what nobody typed now
   for (const { wanted, handler } of [...handlers]) {
     if (!wanted.some((one) => matches(one, event)) || handler(event) === false) continue;
     event.preventDefault();

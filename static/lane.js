@@ -3,6 +3,7 @@
 import { el, setText, svg, swatch } from "./dom.js";
 import { extensionScale, fixed } from "./format.js";
 import { clamp } from "./schedule.js";
+import { commandAt } from "./schedulecopy.js";
 import { at, commandCorners, extent, locate, stretches } from "./series.js";
 
 const PAD = 8;
@@ -10,6 +11,8 @@ const SMALLEST_SHARE = 0.2; // of the whole stroke: below that a lane would show
 const NEAR_STOP = 0.02; // of the whole stroke
 const DOT = 5.5; // radius of a point in pixels; smaller where many share a lane
 const SMALLEST_DOT = 2.8;
+const TWO_LINES = 30; // pixels: a lower lane has its limits on one line
+const WIDEST = 7.5; // pixels of a digit: what has room for so many need not be measured
 const LOCK = "M4.5 7V5a3.5 3.5 0 0 1 7 0v2M3 7h10v7H3z";
 
 const attributes = (node, values) => {
@@ -106,15 +109,25 @@ export class Lane {
   }
 
   drawLimits(low, high) {
-    const digits = this.unit.symbol === "°" ? 0 : high - low < 0.002 ? 2 : 1;
+    const digits = this.unit.symbol === "°" || high - low >= 0.01 ? 0 : high - low < 0.002 ? 2 : 1;
     const edge = this.scale.left - 8;
-    const numbers = edge - (this.unit.symbol === "°" ? 7 : 21); // the unit stands once, beside both
-    attributes(this.high, { x: numbers, y: Math.min(13, this.height / 2 - 2) });
-    attributes(this.low, { x: numbers, y: this.height - Math.min(5, this.height / 8) });
+    const [most, least] = [high, low].map((e) => fixed(e * this.unit.per, digits));
+    const oneLine = this.height < TWO_LINES;
+    const numbers = oneLine ? edge : edge - (this.unit.symbol === "°" ? 9 : 25); // the unit stands once, beside both
+    attributes(this.high, { x: numbers, y: oneLine ? this.height / 2 + 4 : 13 });
+    attributes(this.low, { x: numbers, y: this.height - 5 });
     attributes(this.symbol, { x: edge, y: this.height / 2 + 4 });
-    setText(this.symbol, this.unit.symbol);
-    setText(this.high, fixed(high * this.unit.per, digits));
-    setText(this.low, fixed(low * this.unit.per, digits));
+    setText(this.symbol, oneLine ? "" : this.unit.symbol);
+    setText(this.high, oneLine ? `${least}–${most} ${this.unit.symbol}` : most);
+    setText(this.low, oneLine ? "" : least);
+    this.fitLimit();
+  }
+
+  // Long numbers are drawn together: they must not run out of the gutter.
+  fitLimit() {
+    const room = this.scale.left - 10;
+    this.high.removeAttribute("textLength");
+    if (this.high.textContent.length * WIDEST > room && this.high.getComputedTextLength() > room) attributes(this.high, { textLength: room, lengthAdjust: "spacingAndGlyphs" });
   }
 
   // Where the cell was within two hundredths of its stroke of a stop.
@@ -214,9 +227,17 @@ export class Lane {
     setText(this.value, this.told(e));
   }
 
+  // Between two samples a held command is the first one's; a schedule says itself what it asks for.
+  commanded(t) {
+    if (!this.schedule.controlled) return commandAt(this.points, this.startValue(), t);
+    if (!this.cell) return null;
+    const { i, f } = locate(this.run.columns.t, t);
+    return this.cell.command[f < 1 ? i : Math.min(i + 1, this.cell.command.length - 1)];
+  }
+
   describe(t) {
-    if (!this.cell) return [];
-    const place = locate(this.run.columns.t, t);
-    return [["Command", this.told(at(this.cell.command, place))], ["Actual", this.told(at(this.cell.extension, place))]];
+    const command = this.commanded(t);
+    const rows = command === null ? [] : [["Command", this.told(command)]];
+    return this.cell ? [...rows, ["Actual", this.told(at(this.cell.extension, locate(this.run.columns.t, t)))]] : rows;
   }
 }

@@ -1,5 +1,7 @@
 // The pointer on the lanes: moves the chosen points together, or draws a band round those to choose.
 
+import { el, setText } from "./dom.js";
+import { fixed } from "./format.js";
 import { clamp, movePatch, timeRoom } from "./schedule.js";
 
 const CLICK_SLOP = 3; // pixels a press may wander and still be a click
@@ -7,7 +9,8 @@ const CLICK_SLOP = 3; // pixels a press may wander and still be a click
 export class LaneDrag {
   // set: lanes (Map), selection, snap, scale, send(patch, lanes), open(lane, k), seek(t), onDrop(); band: the element drawn
   constructor(set, band) {
-    Object.assign(this, { set, band, drag: null, sweep: null });
+    Object.assign(this, { set, band, drag: null, sweep: null, tip: el("div", { class: "tip", hidden: true, "aria-hidden": "true", "data-testid": "drag-tip" }) });
+    band.after(this.tip);
   }
 
   get active() {
@@ -54,6 +57,18 @@ export class LaneDrag {
     const time = event.altKey ? t : set.snap.times(t, set.scale);
     const extension = drag.lane.limited(event.altKey ? e : set.snap.extensions(e, drag.lane.unit));
     this.shift(time - base.time, extension - base.extension, drag.lane.unit);
+    this.tellPoint(drag);
+  }
+
+  // The numbers of the point under the pointer, beside it.
+  tellPoint({ lane, k }) {
+    const { time, extension } = lane.points[k];
+    setText(this.tip, `${fixed(time, 2)} s · ${lane.told(extension)}`);
+    this.tip.hidden = false;
+    const [dot, box] = [lane.circles[k].getBoundingClientRect(), this.band.parentElement.getBoundingClientRect()];
+    const right = dot.right + 10 + this.tip.offsetWidth < box.right;
+    const left = right ? dot.right + 10 : dot.left - 10 - this.tip.offsetWidth;
+    Object.assign(this.tip.style, { left: `${left - box.left}px`, top: `${Math.max(dot.top - box.top - this.tip.offsetHeight, 2)}px` });
   }
 
   // All chosen points by the same time, and those read in the same unit by the same extension; one edit.
@@ -78,6 +93,7 @@ export class LaneDrag {
     const { drag } = this;
     if (!drag) return;
     this.drag = null;
+    this.tip.hidden = true;
     for (const lane of this.set.lanes.values()) lane.held = null;
     for (const lane of this.movable()) lane.draw();
     this.set.onDrop();

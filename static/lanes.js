@@ -12,19 +12,19 @@ import { commandAt } from "./schedulecopy.js";
 import { Selection } from "./selection.js";
 import { Snap } from "./snap.js";
 
-const HEIGHTS = [[2, 38], [4, 28], [Infinity, 24]]; // up to how many lanes, how high each is
+const HEIGHTS = [[2, 34], [Infinity, 22]]; // up to how many lanes, how high each is
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const FAST = 10;
 const GROUP = "Timeline";
 
 export class LaneSet {
-  // actions: edit(patch), editLatest(patch), select(component index); onDrop: after a drag, when the axis may follow
+  // actions: edit(patch, {onRefused}), editLatest(patch), select(component index); onDrop: after a drag, when the axis may follow
   constructor({ scale, clock, actions, onDrop, say }) {
     Object.assign(this, { scale, clock, actions, onDrop, say, lanes: new Map(), clip: null, active: null, awaited: null, snap: new Snap() });
     this.selection = new Selection(() => this.showChosen());
     this.drag = new LaneDrag(this, $("band"));
     this.editor = new PointEditor({
-      onApply: ({ cell, k }, point) => this.change(cell, (schedule) => movePatch(new Map([[schedule, new Map([[k, point]])]]))),
+      onApply: ({ cell, k }, point) => this.changeOrTell(cell, (schedule) => movePatch(new Map([[schedule, new Map([[k, point]])]]))),
       onDelete: ({ cell, k }) => this.change(cell, (schedule) => removePatch(new Map([[schedule, [k]]]))),
     });
     this.copier = new CopyDialog(this);
@@ -96,9 +96,9 @@ export class LaneSet {
   }
 
   // `live` while something moves; all edits of one `gesture` are one step of undo.
-  send(patch, lanes, { live = false, gesture } = {}) {
+  send(patch, lanes, { live = false, gesture, onRefused } = {}) {
     if (!patch.length) return Promise.resolve();
-    const answer = live ? this.actions.editLatest(patch, gesture) : this.actions.edit(patch);
+    const answer = live ? this.actions.editLatest(patch, gesture) : this.actions.edit(patch, { onRefused });
     for (const lane of lanes) lane.sent(answer);
     return answer;
   }
@@ -107,6 +107,16 @@ export class LaneSet {
   change(cell, patchOf) {
     const lane = this.lanes.get(cell);
     return lane && !lane.fixed ? this.send(patchOf(lane.schedule), [lane]) : undefined;
+  }
+
+  // The problem why an edit was refused, or null: for whoever holds what was typed.
+  async changeOrTell(cell, patchOf) {
+    const lane = this.lanes.get(cell);
+    if (!lane) return { title: `${cell} is gone`, detail: "Close this and choose another point." };
+    if (lane.fixed) return { title: this.whyFixed(lane) };
+    let problem = null;
+    await this.send(patchOf(lane.schedule), [lane], { onRefused: (found) => (problem = found) });
+    return problem;
   }
 
   // New points are chosen once they are there: indices are known only then.
@@ -255,9 +265,9 @@ export class LaneSet {
     return true;
   }
 
-  // A whole schedule anew, in another cell or in its own.
-  put(lane, points) {
-    return this.send(pointsPatch(lane.schedule, points.map(clean)), [lane]);
+  // A whole schedule anew, in another cell or in its own. Answers the problem why it was refused, or null.
+  put(cell, points) {
+    return this.changeOrTell(cell, (schedule) => pointsPatch(schedule, points.map(clean)));
   }
 
   draw() {

@@ -11,6 +11,11 @@ function key({ color, dash, width }) {
   return svg("svg", { class: "key", viewBox: "0 0 20 8", "aria-hidden": "true" }, mark);
 }
 
+// A kept run that lies under the lines, by its colour.
+function keptName({ name, color }) {
+  return el("span", { title: `Kept run: ${name}` }, key({ color, dash: [], width: 1.3 }), el("em", {}, name));
+}
+
 export class Legend {
   // `menu` is the button beside the title.
   constructor(root, menu) {
@@ -23,13 +28,16 @@ export class Legend {
   show({ title, series }) {
     setText(this.title, title);
     this.title.title = title;
-    const shown = JSON.stringify(series.map(({ id, label, color, dash, width }) => [id, label, color, dash, width]));
+    const kept = [...new Map(series.flatMap((each) => each.kept).map(({ name, color }) => [`${name} ${color}`, { name, color }])).values()];
+    const shown = JSON.stringify([kept, series.map(({ id, label, color, dash, width }) => [id, label, color, dash, width])]);
     if (shown === this.shown) return;
     this.shown = shown;
-    this.values = series.map(({ id }) => el("output", { "data-testid": `legend-${id}` }));
-    this.cursors = series.map(({ id }) => el("output", { class: "cursor", "data-testid": `cursor-${id}` }));
+    const output = (id, label, where) => el("output", { class: where, title: `${label} at the ${where}`, "aria-label": `${label} at the ${where}`, "data-testid": `${where === "clock" ? "legend" : where}-${id}` });
+    this.values = series.map(({ id, label }) => output(id, label, "clock"));
+    this.cursors = series.map(({ id, label }) => output(id, label, "cursor"));
     this.rows.replaceChildren(...series.map((each, i) =>
-      el("div", { class: "legend" }, el("span", { title: each.label }, key(each), el("em", {}, each.label)), this.cursors[i], this.values[i])));
+      el("div", { class: "legend" }, el("span", { title: each.label }, key(each), el("em", {}, each.label)), this.cursors[i], this.values[i])),
+    ...(kept.length ? [el("div", { class: "kept-names", role: "group", "aria-label": "Kept runs laid under" }, ...kept.map(keptName))] : []));
   }
 
   write(described) {

@@ -68,7 +68,7 @@ const polar = connectPolar({ store, clock });
 connectParts({ store, actions, showForces: polar.open });
 connectNotices({ store, clock, showForces: polar.open });
 connectModes({ store, clock });
-connectTrimFor({ store });
+connectTrimFor({ store, clock, actions });
 connectNumerics({ store, showForces: polar.open });
 connectOverlays({ store, setCamera: actions.camera });
 connectLegend({ store, clock, actions });
@@ -77,11 +77,11 @@ connectReadouts({ store, clock });
 connectTransport({ store, clock });
 connectBookmarks({ store, clock });
 connectCompare({ store });
-connectExports({ store, viewer });
+connectExports({ store, clock, viewer });
 connectLayout();
 const timeline = new Timeline({ store, clock, actions });
 rememberSession(store);
-follow(store);
+follow(store, actions);
 
 // For tests: what the page knows, and how often it moved the scene.
 window.__studio = {

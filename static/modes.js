@@ -36,6 +36,10 @@ class Modes {
     this.shownAmplitude = el("output", { for: "mode-amplitude" }, "12°");
     this.amplitude.addEventListener("input", () => this.resize());
     this.playing = el("p", { class: "sentence", role: "status", "data-testid": "mode-playing" });
+    this.pillName = el("span", { role: "status" });
+    this.pill = el("div", { class: "over mode-pill", "data-testid": "mode-pill", hidden: true }, this.pillName,
+      el("button", { class: "btn small", type: "button", "data-testid": "mode-pill-stop", onclick: () => this.stop() }, "Stop"));
+    document.querySelector("main.scene").append(this.pill);
     this.body = el("div", {}, this.plane, this.pointedAt, this.table,
       el("div", { class: "mode-bar" }, this.play, el("label", {}, "Amplitude", this.amplitude), this.shownAmplitude), this.playing);
     $("pane-modes").replaceChildren(el("label", { class: "modes-head" }, "About", this.point), this.words, this.problem, this.body);
@@ -49,7 +53,7 @@ class Modes {
   offer() {
     const holds = this.store.get("consequences")?.holds ?? [];
     const before = this.point.value || CURRENT;
-    const options = [[CURRENT, "the trim at the clock"], ...holds.map((hold, k) => [String(k), `the trim held ${spansText(hold.spans, this.clock.end)}`]), [CLOCK, "the run at the clock, frozen"]];
+    const options = [[CURRENT, "the trim at the clock"], ...holds.map((hold, k) => [String(k), `the trim held ${spansText(hold.spans, this.clock.end)}${hold.reached ? "" : ", not reached"}`]), [CLOCK, "the run at the clock, frozen"]];
     const key = JSON.stringify(options);
     if (key !== this.options) {
       this.options = key;
@@ -168,6 +172,8 @@ class Modes {
     this.store.set({ modePlay: player });
     this.play.setAttribute("aria-pressed", "true");
     setText(this.play, "Stop");
+    this.pill.hidden = false;
+    setText(this.pillName, `Playing mode: ${mode.name}`);
     const { faster } = pace(mode);
     const rate = faster > 1 ? `${fixed(faster, 1)} times faster than life` : `${fixed(1 / faster, 1)} times slower than life`;
     setText(this.playing, `Playing ${mode.name} about ${this.found.equilibrium ? "the trim" : "the run"}, ${rate}. The largest angle, or move by the length, is ${this.amplitude.value}°.`);
@@ -190,6 +196,7 @@ class Modes {
 
   end(words) {
     this.store.set({ modePlay: null });
+    this.pill.hidden = true;
     this.play.setAttribute("aria-pressed", "false");
     setText(this.play, "Play in 3D");
     setText(this.playing, words);

@@ -1,38 +1,50 @@
 // The last rejected change, where pointers into the document lead, and the notes laid over the 3D view.
 
-import { $, el, setText } from "./dom.js";
+import { $, el, flash, setText } from "./dom.js";
+import { fieldWords } from "./fieldwords.js";
 import { focusField } from "./parts.js";
 import { problemNodes } from "./problem.js";
 import { connectWarnings } from "./warnings.js";
 
 const FORCES = "/vehicle/hydrodynamics";
 const COMPONENT = /^\/vehicle\/components\/(\d+)/;
-const POINT = /^\/mission\/control\/schedules\/(\d+)\/points\/(\d+)/;
+const LANE = /^\/mission\/control\/schedules\/(\d+)(?:\/points\/(\d+))?/;
+const OURS = /^\/(vehicle|mission|name|notes)(\/|$)/; // what is said of a request has no field on the page
 
 const linkButton = (pointer, label, onclick) => el("button", { type: "button", class: "link", title: pointer, onclick }, label);
 
-function pointLink(pointer, state) {
-  const [, index, k] = POINT.exec(pointer) ?? [];
-  const schedule = state?.schedules.find((s) => s.index === Number(index));
-  if (!schedule?.points[k]) return null;
-  const id = CSS.escape(`point-${schedule.cell}-${k}`);
-  return linkButton(pointer, `Show ${schedule.cell}, point ${Number(k) + 1}`, () => document.querySelector(`[data-testid=${id}]`)?.focus());
+// Chooses the cell, and gives its point, or its lane, the focus.
+function showLane(cell, k) {
+  const found = (name) => document.querySelector(`[data-testid=${CSS.escape(name)}]`);
+  const lane = found(`lane-${cell}`);
+  if (!lane) return;
+  lane.querySelector(".lane-name").click();
+  (found(`point-${cell}-${k}`) ?? lane.querySelector(".lane-name")).focus();
+  lane.scrollIntoView({ block: "nearest" });
+  flash(lane);
 }
 
-const wordsOf = (tokens) => tokens.join(" ").replaceAll("_", " ");
+function laneLink(pointer, state) {
+  const [, index, k] = LANE.exec(pointer) ?? [];
+  if (index === undefined) return null;
+  const schedule = state.schedules.find((s) => s.index === Number(index));
+  if (!schedule) return linkButton(pointer, "Show the schedules", () => flash($("lanes"))); // refused: it is not there
+  const point = schedule.points[k] ? `point ${Number(k) + 1}` : "schedule";
+  return linkButton(pointer, `Show ${schedule.cell}, ${point}`, () => showLane(schedule.cell, k));
+}
 
-// A pointer to a point leads to its lane, one into the force data to their dialog, any other to its field at the left.
+function linkWords(pointer, state) {
+  const component = state.components[Number(COMPONENT.exec(pointer)?.[1])];
+  if (component) return [component.name, fieldWords(pointer, 3)].filter(Boolean).join(": ");
+  return /^\/vehicle\/components/.test(pointer) ? "the list of parts" : fieldWords(pointer);
+}
+
+// A pointer to a schedule leads to its lane, one into the force data to their dialog, any other to its field at the left.
 export function pointerLink(state, { showForces }) {
   return (pointer) => {
-    if (!pointer) return null;
-    const point = pointLink(pointer, state);
-    if (point) return point;
+    if (!state || !OURS.test(pointer ?? "")) return null;
     if (pointer.startsWith(FORCES)) return linkButton(pointer, "Show the force data", showForces);
-    const component = state?.components[Number(COMPONENT.exec(pointer)?.[1])];
-    const tokens = pointer.split("/").slice(1);
-    const field = wordsOf(component ? tokens.slice(3) : tokens.slice(-1));
-    const label = component ? `Show ${component.name}${field ? `: ${field}` : ""}` : `Show ${field}`;
-    return linkButton(pointer, label, () => focusField(pointer));
+    return laneLink(pointer, state) ?? linkButton(pointer, `Show ${linkWords(pointer, state)}`, () => focusField(pointer));
   };
 }
 

@@ -5,6 +5,7 @@ import { onKey } from "./keys.js";
 import { connectMenu } from "./menu.js";
 
 const TOGGLES = { "toggle-follow": "follow", "toggle-forces": "forces", "toggle-moments": "moments", "toggle-centers": "centers", "toggle-path": "path" };
+const LATER = 1000; // ms
 const SCALES = { exaggeration: "exaggeration", "offset-scale": "offset" };
 
 // How much of the scene, from its top, lies under the buttons.
@@ -43,6 +44,12 @@ export function connectOverlays({ store, setCamera }) {
   });
   onKey("f", () => $("toggle-follow").click(), { words: "Follow the glider, or stay", group: "View" });
 
+  // A 3D view that lost its connection comes back from the side; the server hears of it a moment after the page.
+  let linked = true;
+  store.watch(["viewerLinked"], ({ viewerLinked, view }) => {
+    if (viewerLinked && !linked && view.camera) for (const wait of [0, LATER]) setTimeout(() => setCamera(store.get("view").camera, coveredShare()), wait);
+    linked = viewerLinked;
+  });
   store.watch(["view"], ({ view }) => {
     for (const [id, key] of Object.entries(TOGGLES)) $(id).setAttribute("aria-pressed", String(view[key]));
     for (const [id, key] of Object.entries(SCALES)) $(id).value = String(view[key]);

@@ -9,6 +9,7 @@ import { PartsForm } from "./partsform.js";
 import { kindIcon, sign } from "./partsicons.js";
 import { closeMenu, openMenu } from "./partsmenu.js";
 import { PartsTree } from "./partstree.js";
+import { repeatable } from "./session.js";
 import { onUnits, suitUnits } from "./unitchoice.js";
 
 export const FOCUS_FIELD = "studio:focus-field";
@@ -30,6 +31,8 @@ const PALETTE = [
   ["core_sampler", "Core sampler", "A closed tube under the hull"],
 ];
 const IN_SPACE = "It rolls out of the vertical plane: choose the spatial model first, under Mission and solver";
+const NO_SIDES = "In the vertical plane it has no side: choose the spatial model first, under Mission and solver";
+const MIRROR = "Mirror port and starboard";
 
 // Selects the component, opens the section, and gives the field at a pointer of the document the focus.
 export function focusField(pointer) {
@@ -68,7 +71,7 @@ class Parts {
     return el("div", { class: "parts-head" }, el("h2", {}, "Components"), el("span", { class: "spring" }),
       el("div", { class: "parts-tools", role: "toolbar", "aria-label": "Selected part" },
         button("copy", "Duplicate (Ctrl+D)", () => this.act(() => copyPart(this.selected))),
-        button("mirror", "Mirror port and starboard (M)", () => this.act(() => mirrorPart(this.selected, null))),
+        (this.mirrorer = button("mirror", `${MIRROR} (M)`, () => this.act(() => mirrorPart(this.selected, null)))),
         button("remove", "Remove (Delete)", () => this.act(() => removePart(this.selected))), this.more),
       this.adder);
   }
@@ -81,19 +84,21 @@ class Parts {
   async change(spec, value) {
     const patch = spec.call ? null : spec.write(value);
     if (patch?.length === 0) return { ok: true };
-    if (!this.senders.has(spec.key)) this.senders.set(spec.key, latestWins((call) => this.ask(call)));
-    return this.senders.get(spec.key)(spec.call ? () => setMassProperties(spec.call(value)[1]) : () => edit(patch));
+    if (!this.senders.has(spec.key)) this.senders.set(spec.key, latestWins((call, again) => this.ask(call, again)));
+    return this.senders.get(spec.key)(spec.call ? () => setMassProperties(spec.call(value)[1]) : () => edit(patch), !patch || repeatable(patch));
   }
 
-  async ask(call) {
+  async ask(call, again) {
     let problem = null;
-    const answer = await this.actions.act(call, { onRefused: (told) => (problem = told) });
+    const answer = await this.actions.act(call, { again, onRefused: (told) => (problem = told) });
     const known = Math.max(this.store.get("state").revision, this.store.get("awaited"));
     return problem ? { ok: false, problem, revision: known } : { ok: true, revision: answer?.revision };
   }
 
   follow(state) {
     this.tree.update(state);
+    this.mirrorer.disabled = this.sideless(state.selected);
+    this.mirrorer.title = this.mirrorer.disabled ? `${MIRROR}. ${NO_SIDES}` : `${MIRROR} (M)`;
     if (!this.fields || this.fields.revision !== state.revision) this.fetch();
     else this.draw();
   }
@@ -124,10 +129,17 @@ class Parts {
   // A part has to be chosen, and its fields to be there, first.
   focus(pointer) {
     const index = this.fields ? this.form.partOf(pointer) : null;
+    if (index !== null && !this.store.get("state").components[index]) return this.tree.point(); // refused: it is not there
     const ready = this.fields && (index === null || index === this.selected);
     this.waiting = ready ? null : pointer;
-    if (ready) this.form.focus(pointer);
+    if (ready) this.form.focus(pointer) || this.tree.point();
     else if (index !== null) this.actions.select(index);
+  }
+
+  // In the plane a part on the axis stays its own mirror image: no field lets it leave.
+  sideless(index) {
+    const { model, components } = this.store.get("state");
+    return model === "planar" && components[index]?.position[1] === 0;
   }
 
   palette() {
@@ -144,12 +156,14 @@ class Parts {
   menu(index, place, anchor = null) {
     const part = this.store.get("state").components[index];
     const last = this.store.get("state").components.length - 1;
-    const mirror = (schedule) => () => this.act(() => mirrorPart(index, schedule));
+    const disabled = this.sideless(index);
+    const about = disabled ? NO_SIDES : undefined;
+    const mirror = (schedule) => ({ icon: sign("mirror"), disabled, run: () => this.act(() => mirrorPart(index, schedule)) });
     openMenu(place, [
       { label: "Rename", icon: sign("rename"), keys: "F2", run: () => this.tree.rename(index) },
       { label: "Duplicate", icon: sign("copy"), keys: "Ctrl+D", run: () => this.act(() => copyPart(index)) },
-      { label: "Mirror port and starboard", icon: sign("mirror"), keys: "M", run: mirror(null) },
-      ...(part.moves ? [{ label: "Mirror with its schedule", icon: sign("mirror"), run: mirror("same") }, { label: "Mirror with the opposite schedule", icon: sign("mirror"), run: mirror("opposite") }] : []),
+      { label: MIRROR, keys: "M", about, ...mirror(null) },
+      ...(part.moves ? [{ label: "Mirror with its schedule", ...mirror("same") }, { label: "Mirror with the opposite schedule", ...mirror("opposite") }] : []),
       null,
       { label: "Move up", icon: sign("up"), keys: "Alt+↑", disabled: index === 0, run: () => this.act(() => movePart(index, index - 1)) },
       { label: "Move down", icon: sign("down"), keys: "Alt+↓", disabled: index === last, run: () => this.act(() => movePart(index, index + 1)) },
@@ -186,7 +200,7 @@ function placeUnder(node) {
 const KEYS = [
   [["ArrowUp", "ArrowDown"], "Choose a part"], ["F2", "Rename it"], [["Alt+ArrowUp", "Alt+ArrowDown"], "Move it up or down the list"], ["Ctrl+D", "Duplicate it"],
   ["M", "Mirror it port and starboard"], ["L", "Lock or unlock it"], ["H", "Hide or show it"], ["Delete", "Remove it"], ["A", "Add a part"], ["Enter", "To its fields"],
-  [["ArrowUp", "ArrowDown"], "In a field: step its number (Shift: ten times, Alt: a tenth)"], ["Alt+U", "In a field: the next unit"],
+  ["F1", "In a field: what it is"], [["ArrowUp", "ArrowDown"], "In a field: step its number (Shift: ten times, Alt: a tenth)"], ["Alt+U", "In a field: the next unit"],
 ];
 
 export function connectParts(connected) {

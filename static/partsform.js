@@ -1,9 +1,9 @@
 // The fields of the selected part, and the sections of the rest of the document below them.
 
-import { el, setText, swatch } from "./dom.js";
+import { el, flash, setText, swatch } from "./dom.js";
 import { Items } from "./fieldrows.js";
 import { wordOf } from "./fieldwords.js";
-import { hideHelp } from "./fieldhelp.js";
+import { hideHelp, refreshHelp } from "./fieldhelp.js";
 import { iconOf, kindIcon } from "./partsicons.js";
 import { SECTIONS, partItems } from "./partsections.js";
 
@@ -32,7 +32,8 @@ export class PartsForm {
     const body = el("div", { class: "field-body" });
     this.fields = new Items(body, env(() => Boolean(this.part?.locked)));
     const heading = el("h2", { class: "form-head", "data-testid": "form-title" }, this.color, this.icon, this.title, this.kind);
-    root.append(el("section", { class: "form-part", "aria-label": "Selected part", "data-testid": "part-fields" }, heading, this.lockNote, body));
+    this.place = el("section", { class: "form-part", "aria-label": "Selected part", "data-testid": "part-fields" }, heading, this.lockNote, body);
+    root.append(this.place);
     this.sections = SECTIONS.map((section) => this.made(section, env(() => false)));
     root.addEventListener("scroll", hideHelp);
   }
@@ -68,8 +69,17 @@ export class PartsForm {
 
   // ctx: the document's fields and facts, the schema, the state, and the index of the selected part in the document.
   update(ctx) {
+    const another = this.ctx !== null && this.ctx.index !== ctx.index;
     this.ctx = ctx;
     this.draw();
+    if (another) this.bringUp();
+    refreshHelp();
+  }
+
+  // Whoever compares the same fields of two parts keeps their place; from another section it goes back to the part.
+  bringUp() {
+    const { top, height } = this.root.getBoundingClientRect();
+    if (this.place.getBoundingClientRect().bottom < top + height / 2) this.root.scrollTop = 0;
   }
 
   draw() {
@@ -103,20 +113,22 @@ export class PartsForm {
     return found < 0 ? null : found;
   }
 
-  // Opens what holds a field, and gives it the focus; false where there is none.
+  // Opens what holds a field, and gives it the focus; false where there is none. A field that this model does not show
+  // is stood for by the part or the section it belongs to.
   focus(pointer) {
-    const section = this.partOf(pointer) === null ? this.sections.find(({ holds }) => holds.test(pointer)) : null;
+    const ofPart = this.partOf(pointer) !== null;
+    const [, root] = pointer.split("/");
+    const section = ofPart || pointer === "/vehicle/components" ? null : (this.sections.find(({ holds }) => holds.test(pointer)) ?? this.sections.find(({ id }) => id === root));
     if (section) {
       section.root.open = true;
       this.drawSection(section);
     }
-    const found = (section ? section.content : this.fields).find(pointer) ?? section?.root;
+    const found = (section ? section.content : this.fields).find(pointer) ?? section?.root ?? (ofPart ? this.place : null);
     if (!found) return false;
     found.scrollIntoView({ block: "center" });
     const control = found.matches("details") ? found.querySelector("summary") : (entryOf(found, pointer) ?? found.querySelector("input, select, textarea, button"));
     control?.focus({ preventScroll: true });
-    found.classList.remove("flash");
-    requestAnimationFrame(() => found.classList.add("flash"));
+    flash(found);
     return true;
   }
 }

@@ -1,6 +1,6 @@
 // The list of parts: a row each with its colour, kind, name and mass; chosen, renamed, moved and marked in place.
 
-import { el, setText, swatch } from "./dom.js";
+import { el, flash, setText, swatch } from "./dom.js";
 import { iconOf, kindIcon, sign } from "./partsicons.js";
 import { onUnits, unitNow } from "./unitchoice.js";
 
@@ -20,6 +20,12 @@ export class PartsTree {
     this.draw();
     if (moved) this.rows[selected]?.root.scrollIntoView({ block: "nearest" });
     if (moved && this.root.contains(document.activeElement) && !this.renaming) this.rows[selected]?.root.focus();
+  }
+
+  // Shows where the list is, to whom something led here.
+  point() {
+    this.rows[this.selected]?.root.focus();
+    flash(this.root);
   }
 
   row(index) {

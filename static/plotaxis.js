@@ -5,6 +5,7 @@ import { angleTicks, ticks } from "./timescale.js";
 import { scaleOf } from "./units.js";
 
 const ROOM = 0.08; // of the range, above and below
+const APART = 12; // pixels between two numbers, at least
 const WIDE_ANGLES = 20; // degrees: from here on parts of a right angle read best
 
 const widest = (pairs) => pairs.reduce(([low, high], [a, b]) => [Math.min(low, a), Math.max(high, b)], [Infinity, -Infinity]);
@@ -45,7 +46,10 @@ export class PlotAxis {
     const count = this.right ? 3 : inner > 80 ? 4 : 3;
     const wide = this.symbol === "°" && !this.right && this.high - this.low > WIDE_ANGLES;
     const { values, digits } = wide ? angleTicks(this.low, this.high) : ticks(this.low, this.high, count);
-    this.ticks = values.map((v) => ({ v, y: this.y(v / this.unit.per) }));
+    const step = values.length > 1 ? values[1] - values[0] : 1;
+    const every = Math.max(1, Math.ceil(APART / (step * perUnit)));
+    const shown = values.filter((v) => Math.round(v / step) % every === 0);
+    this.ticks = (shown.length ? shown : values.slice(0, 1)).map((v) => ({ v, y: this.y(v / this.unit.per) }));
     this.digits = digits;
   }
 }

@@ -52,6 +52,7 @@ export class TimePlot {
     context.rect(this.scale.left, 0, this.scale.span, TOP + inner);
     context.clip();
     this.drawOutside(context, inner);
+    this.nameKept(context);
     this.drawCurves(context);
     this.drawEvents(context, inner);
     context.restore();
@@ -183,6 +184,25 @@ export class TimePlot {
     return this.axes.find((axis) => axis.series.includes(series));
   }
 
+  // Kept runs as [name, colour].
+  get keptRuns() {
+    return [...new Map(this.series.flatMap(({ kept }) => kept).map(({ name, color }) => [name, color]))];
+  }
+
+  // Their names in their colours, under the lines.
+  nameKept(context) {
+    let x = this.scale.left + 8;
+    context.textAlign = "left";
+    context.textBaseline = "middle";
+    for (const [name, color] of this.keptRuns) {
+      context.strokeStyle = context.fillStyle = paint(color);
+      context.lineWidth = KEPT_WIDTH;
+      line(context, x, TOP + 8, x + 14, TOP + 8);
+      context.fillText(name, x + 18, TOP + 8);
+      x += 30 + context.measureText(name).width;
+    }
+  }
+
   // [label, value] of each line of the present run.
   describe(t) {
     return this.series.map((series) => [series.label, this.run ? this.tell(this.axisOf(series), series, series, t) : NONE]);
@@ -190,7 +210,7 @@ export class TimePlot {
 
   // The same beside those of kept runs: a head of their names in their colours where there are any, and a row a line.
   table(t) {
-    const runs = [...new Map(this.series.flatMap(({ kept }) => kept).map(({ name, color }) => [name, color]))];
+    const runs = this.keptRuns;
     const head = runs.length ? [["", "Now", ...runs.map(([name, color]) => [name, paint(color)])]] : [];
     const rows = this.series.map((series, i) => {
       const others = runs.map(([name]) => series.kept.find((kept) => kept.name === name));

@@ -1,6 +1,7 @@
 // Shows a problem+json object readably: what was wrong, the limit, and the way out.
 
 import { el } from "./dom.js";
+import { inUnits } from "./fieldbounds.js";
 
 const SCALES = [1, 1e3, 180 / Math.PI]; // limits are in SI; messages also speak of millimetres and degrees
 
@@ -15,7 +16,8 @@ function errorItem(error, link) {
   const item = el("li", {}, el("p", {}, error.message ?? "Not accepted."));
   if (error.limit != null && error.limit !== "" && !says(error.message ?? "", error.limit)) item.append(el("p", {}, `Limit: ${error.limit}`));
   if (error.hint) item.append(el("p", {}, error.hint));
-  if (error.pointer) item.append(link?.(error.pointer) ?? el("span", { class: "where" }, error.pointer));
+  const where = error.pointer && (link ? link(error.pointer) : el("span", { class: "where" }, error.pointer));
+  if (where) item.append(where);
   return item;
 }
 
@@ -24,7 +26,7 @@ export function problemNodes(problem, { note, link } = {}) {
   const errors = problem.errors ?? [];
   const said = problem.detail === problem.title || errors.some((e) => e.message === problem.detail);
   if (problem.detail && !said) nodes.push(el("p", {}, problem.detail));
-  if (errors.length) nodes.push(el("ul", {}, ...errors.map((e) => errorItem(e, link))));
+  if (errors.length) nodes.push(el("ul", {}, ...errors.map((e) => errorItem(inUnits(e), link))));
   if (note) nodes.push(el("p", { class: "kept" }, note));
   return nodes;
 }

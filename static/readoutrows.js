@@ -4,6 +4,8 @@ import { compass, cubicCentimetres, degrees, fixed, grams, scientific } from "./
 import { angleAt, at } from "./series.js";
 
 const now = (key, read = at) => (run, place) => read(run.columns[key], place);
+const STILL = 1e-4; // m/s: slower, the flow has no direction, only noise
+const ofFlow = (key, read = at) => (run, place) => (at(run.columns.speed, place) > STILL ? read(run.columns[key], place) : NaN);
 const last = (key) => ({ run }) => run?.columns[key]?.at(-1);
 export const metres = (v) => fixed(v, Math.abs(v) >= 1e4 ? 0 : 3);
 const FULL = 2 * Math.PI;
@@ -26,9 +28,9 @@ export const NOW = [
   ["pitch", "Pitch", "°", degrees, now("theta", angleAt)],
   ["roll", "Roll", "°", degrees, now("phi", angleAt), "spatial"],
   ["heading", "Heading", "°", compass, (run, place) => ((at(run.columns.heading, place) % FULL) + FULL) % FULL, "spatial"],
-  ["attack", "Attack angle", "°", degrees, now("alpha", angleAt)],
-  ["sideslip", "Sideslip", "°", degrees, now("beta"), "spatial"],
-  ["flow", "Flow angle", "°", degrees, now("flow_angle", angleAt)],
+  ["attack", "Attack angle", "°", degrees, ofFlow("alpha", angleAt)],
+  ["sideslip", "Sideslip", "°", degrees, ofFlow("beta"), "spatial"],
+  ["flow", "Flow angle", "°", degrees, ofFlow("flow_angle", angleAt)],
   ["speed", "Speed", "m/s", (v) => fixed(v, 3), now("speed")],
   ["depth", "Depth", "m", metres, now("z")],
   ["distance", "Distance", "m", metres, now("x"), "planar"],

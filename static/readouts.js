@@ -2,7 +2,7 @@
 
 import { call } from "./api.js";
 import { BALANCE, ENERGY, MARGINS, TRIM, withinSource } from "./consequencerows.js";
-import { $, setText } from "./dom.js";
+import { $, el, setText } from "./dom.js";
 import { clockText, degrees, fixed } from "./format.js";
 import { connectGroups } from "./groups.js";
 import { heldAt, spansText } from "./held.js";
@@ -45,7 +45,10 @@ class Readouts {
     const onTime = (t) => clock.seek(t);
     this.trim = fillTable($("trim-now"), TRIM);
     this.held = [...this.trim, ...[["balance", BALANCE], ["margins", MARGINS], ["energy", ENERGY]].flatMap(([id, rows]) => fillTable($(id), rows, { onTime }))];
+    this.delta = el("p", { class: "delta-heading", role: "status", "data-testid": "delta-to", hidden: true });
+    $("problem").after(this.delta);
     this.reference = connectReference(store, () => this.showHeld());
+    store.watch(["reference", "state"], ({ reference, state }) => this.showDelta(state?.kept?.find(({ id }) => id === reference)));
     store.watch(["state", "consequences"], () => this.show());
     clock.watch(() => this.showClock());
   }
@@ -53,6 +56,12 @@ class Readouts {
   get model() {
     const state = this.store.get("state");
     return state?.run?.model ?? state?.model;
+  }
+
+  showDelta(kept) {
+    this.delta.hidden = !kept;
+    setText(this.delta, kept ? `Δ to ${kept.name}` : "");
+    this.delta.title = kept ? `The differences beside the numbers are those to the kept run ${kept.name}` : "";
   }
 
   show() {
@@ -98,8 +107,9 @@ class Readouts {
     const now = { consequences, hold: found?.hold, state, t };
     const then = before && { consequences: before, hold: heldAt(before, t)?.hold, state: null, t };
     for (const item of this.held) {
-      if (item.root.hidden) continue;
+      if (item.root.hidden && !item.optional) continue;
       const value = item.read(now);
+      if (item.optional) item.root.hidden = !Number.isFinite(value);
       write(item, value, { flash });
       writeChange(item, value, then && !item.own ? item.read(then) : NaN);
       writeNote(item, item.readNote?.(now), end);
@@ -121,9 +131,11 @@ class Readouts {
     }
     const others = found?.hold.others ?? 0;
     const [about, left] = [found?.hold.about, consequences.left_out];
+    const unreached = consequences.holds.filter(({ reached }) => !reached);
     setText($("held-message"), [
       about ? "Cells as they mostly are in this phase." : "",
       trim && others ? `${others} other steady motion${others > 1 ? "s" : ""} at these extensions, ${found.hold.stable_others || "none"} of them stable.` : "",
+      unreached.length ? `The run ended before what is held ${unreached.map(({ spans }) => spansText(spans, end)).join(", ")}: not reached.` : "",
       left ? `${left} shorter hold${left > 1 ? "s are" : " is"} not told.` : "",
     ].filter(Boolean).join(" "));
   }

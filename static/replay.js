@@ -4,12 +4,19 @@
 import { Clock } from "./clock.js";
 import { $, el, setText } from "./dom.js";
 import { clockText, degrees, fixed } from "./format.js";
+import { gradientOf, pathLegend } from "./pathlegend.js";
 import { largestForce, positionAt, sceneAt, visibility } from "./scene.js";
+import { labelChoice } from "./scenelabels.js";
 import { angleAt, at, locate } from "./series.js";
+import { withUnit } from "./units.js";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 50, 100];
 const READ_EVERY = 50; // ms, until the client has taken in the scene
 const EXAGGERATION = 10; // of the cells' growth, as the studio begins with
+const LABELS_EVERY = 300; // ms between choices of the labels that have room
+const ARROWS = [
+  ["net_buoyancy", "Net buoyancy", "buoyancy"], ["lift", "Lift", "lift"], ["drag", "Drag", "drag"], ["side_force", "Side force", "side"],
+];
 const HUD = [
   ["time", "Time", ""], ["depth", "Depth", "m"], ["speed", "Speed", "m/s"], ["pitch", "Pitch", "°"], ["roll", "Roll", "°"],
 ];
@@ -31,6 +38,18 @@ export function numbersAt(run, t, end) {
   };
 }
 
+// What the arrows and the colours of the path stand for.
+function legend({ run, scene }) {
+  const arrows = ARROWS.filter(([column]) => run.columns[column] && (column !== "side_force" || run.model === "spatial"));
+  const names = arrows.map(([, words, key]) => el("li", {}, el("i", { class: `force-key ${key}`, "aria-hidden": "true" }), words));
+  const path = pathLegend(scene);
+  const bar = path && el("i", { class: "path-bar", "aria-hidden": "true" });
+  if (bar) bar.style.background = gradientOf(path.colors);
+  const range = path && el("p", { "data-testid": "legend-path" }, `Path: ${path.label.toLowerCase()}`, bar,
+    el("span", {}, withUnit(path.low, path.unit), el("span", {}, withUnit(path.high, path.unit))));
+  return el("aside", { class: "legend", "aria-label": "Marks in the scene" }, el("ul", { "data-testid": "legend-arrows" }, ...names), range);
+}
+
 function build(document_, made) {
   const numbers = HUD.map(([id, label, unit]) =>
     el("div", {}, el("dt", {}, label), el("dd", {}, el("output", { id: `hud-${id}`, "data-testid": `hud-${id}` }), unit && ` ${unit}`)));
@@ -40,7 +59,7 @@ function build(document_, made) {
     ...SPEEDS.map((v) => el("option", { value: String(v), selected: v === 1 }, `${v}×`)));
   const source = `${document_.hydrodynamics} (${document_.hydrodynamics_range}) · ${document_.solver}`;
   return el("main", { class: "replay", "aria-label": "Replay" },
-    el("header", {}, el("h1", {}, document_.name), el("p", {}, source), el("dl", { class: "hud", "data-testid": "hud" }, ...numbers)),
+    el("header", {}, el("h1", {}, document_.name), el("p", {}, source), el("dl", { class: "hud", "data-testid": "hud" }, ...numbers), legend(document_)),
     el("footer", {}, play, scrub, el("output", { id: "total", class: "time" }), speed, el("small", {}, `Replay made ${made}. Cells' growth is drawn ×${EXAGGERATION}.`)));
 }
 
@@ -69,6 +88,17 @@ class Player {
     }
     window.__viserMutable.requestRender();
     this.updates += 1;
+  }
+
+  // Labels that would lie over each other give way to the nearest.
+  spreadLabels() {
+    const tree = sceneTree();
+    if (!tree) return;
+    const shown = labelChoice(window.__viserMutable, tree);
+    const changed = Object.entries(tree).filter(([name, node]) => shown(name) !== null && shown(name) !== (node.visibility ?? true));
+    if (changed.length === 0) return;
+    window.__viserMutable.messageQueue.push(...changed.map(([name]) => messages.visible(name, shown(name))));
+    window.__viserMutable.requestRender();
   }
 
   // Handles to drag parts by have no meaning here; the rest as the studio's page begins.
@@ -115,6 +145,7 @@ export function startReplay(made) {
       clearInterval(waiting);
       player.chooseVisible(tree);
       player.show(clock.t);
+      setInterval(() => player.spreadLabels(), LABELS_EVERY);
       window.__replay.ready = true;
     }, READ_EVERY);
   };

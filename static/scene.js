@@ -177,7 +177,10 @@ export function visibility(name, { forces, moments = false, centers, path, spati
   if (name === "/world/bed") return bed;
   if (name === "/glider/beacon") return camera === "overview";
   // From afar the labels beside the path would hide it.
-  if (name === "/world/rungs" || name === "/world/surface_grid" || name.startsWith("/world/grid/")) return camera !== "overview";
+  if (name === "/world/rungs" || name === "/world/surface_grid") return camera !== "overview";
+  // From above, depths beside a plane on its edge would lie over each other; from afar a room has place for its own.
+  if (name.startsWith("/world/grid/") && (camera === "overview" || camera === "top")) return false;
+  if (name.startsWith("/world/room/") && camera === "overview") return true;
   if (name === "/glider/arrow_side") return forces && spatial;
   if (/^\/glider\/arrow_(buoyancy|lift|drag)$/.test(name)) return forces;
   if (name === "/glider/moment_pitch") return moments;

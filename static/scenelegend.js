@@ -3,6 +3,7 @@
 import { showInScene } from "./api.js";
 import { $, el, setText } from "./dom.js";
 import { NONE, fixed } from "./format.js";
+import { gradientOf, pathLegend } from "./pathlegend.js";
 import { centerOffset } from "./scene.js";
 import { at, extent, locate } from "./series.js";
 import { scaleOf } from "./units.js";
@@ -10,6 +11,8 @@ import { scaleOf } from "./units.js";
 const FORCES = { "net_buoyancy": "N", lift: "N", drag: "N", side_force: "N" };
 const MOMENTS = ["hydro_K", "moment", "hydro_N"];
 const MOMENT_UNIT = "N m";
+const FOLDED = "glider-studio.legend-folded";
+const LOW_SCENE = 420; // px: below, a row for each mark would reach down to the glider
 
 // A column in one unit and with as many digits as its range asks for, while the run lasts.
 const scales = (columns) => Object.fromEntries([...Object.keys(FORCES), ...MOMENTS].filter((key) => columns[key])
@@ -34,8 +37,9 @@ function showNumbers(run, view, clock, scaleOfColumn) {
   $("legend-centers").title = `Centre of mass from that of buoyancy: x ${millimetres(offset[0])}, y ${millimetres(offset[1])}, z ${millimetres(offset[2])} mm (z down)`;
 }
 
-// The bar from low to high. What lies beyond the scale has the colour of its end, and the end's number says so.
-function showColors({ path, path_colors: colors, quantities, color_by: chosen }, shown) {
+// The bar from low to high.
+function showColors(scene, shown) {
+  const { path, quantities, color_by: chosen } = scene;
   $("path-legend").hidden = !shown || quantities.length === 0;
   const options = [{ name: "none", label: "one colour" }, ...quantities];
   const select = $("color-by");
@@ -46,15 +50,37 @@ function showColors({ path, path_colors: colors, quantities, color_by: chosen },
   if (document.activeElement !== select) select.value = chosen;
   $("path-scale").hidden = path === null;
   if (path === null) return;
-  const scale = scaleOf(path.unit, path.low, path.high);
-  $("path-bar").style.background = `linear-gradient(90deg, ${colors.join(", ")})`;
-  setText($("path-low"), `${path.below ? "≤ " : ""}${scale.brief(path.low)}`);
-  setText($("path-high"), `${path.above ? "≥ " : ""}${scale.brief(path.high)}`);
-  setText($("path-unit"), scale.symbol || (path.unit === "1" ? "" : NONE));
+  const { low, high, unit, colors } = pathLegend(scene);
+  $("path-bar").style.background = gradientOf(colors);
+  setText($("path-low"), low);
+  setText($("path-high"), high);
+  setText($("path-unit"), unit || (path.unit === "1" ? "" : NONE));
+}
+
+function remembered() {
+  const kept = localStorage.getItem(FOLDED);
+  return kept === null ? null : kept === "true";
+}
+
+// Folded, the legend is one row of names. It begins so where it would cover the glider, until somebody chooses.
+function connectFold() {
+  const fold = (folded) => {
+    $("forces").dataset.folded = String(folded);
+    $("legend-fold").setAttribute("aria-expanded", String(!folded));
+    $("legend-fold").title = folded ? "Show the numbers" : "Show the names alone, in one row";
+  };
+  const scene = document.querySelector(".scene");
+  new ResizeObserver(() => fold(remembered() ?? scene.clientHeight < LOW_SCENE)).observe(scene);
+  $("legend-fold").addEventListener("click", () => {
+    const folded = $("forces").dataset.folded !== "true";
+    localStorage.setItem(FOLDED, String(folded));
+    fold(folded);
+  });
 }
 
 export function connectLegend({ store, clock, actions }) {
   let scaleOfColumn = {};
+  connectFold();
   const numbers = () => {
     const run = store.get("state")?.run;
     $("forces").hidden = !run || !["forces", "moments", "centers"].some((key) => store.get("view")[key]);

@@ -5,14 +5,18 @@ import * as api from "./api.js";
 const RETRY = 2000; // ms, where the browser itself gives up on the event stream
 
 export function createActions(store) {
-  async function act(call, { keepProblem = false, onRefused = () => {} } = {}) {
+  const unsent = []; // changes that found no server; made again, in their order, once it is back
+
+  // `again` is for calls that may be made twice.
+  async function act(call, { keepProblem = false, again = false, onRefused = () => {} } = {}) {
     store.set({ busy: store.get("busy") + 1 });
     try {
       const answer = await call();
       store.set({ rejected: null, awaited: answer?.revision ?? store.get("awaited") });
       return answer;
     } catch (error) {
-      const problem = error.problem ?? { title: error.message };
+      const problem = toldOf(error, again);
+      if (again && problem.unreachable) unsent.push(call);
       // The server keeps the last rejected edit in its state; other refusals only this page knows.
       store.set({ rejected: problem, rejectedHere: keepProblem || problem.status !== 422 });
       onRefused(problem);
@@ -24,7 +28,12 @@ export function createActions(store) {
   const drag = api.latestWins((patch, gesture) => act(() => api.edit(patch, gesture)));
   return {
     act,
-    edit: (patch) => act(() => api.edit(patch)),
+    edit: (patch, options) => act(() => api.edit(patch), { again: repeatable(patch), ...options }),
+    // The studio is back, perhaps begun anew: what was said of its absence is over, and what it missed is sent.
+    async resume() {
+      store.set({ awaited: 0, rejected: store.get("rejected")?.unreachable ? null : store.get("rejected") });
+      for (const call of unsent.splice(0)) await act(call, { again: true });
+    },
     editLatest: drag,
     undo: () => store.get("state")?.can_undo && act(api.undo),
     redo: () => store.get("state")?.can_redo && act(api.redo),
@@ -33,6 +42,14 @@ export function createActions(store) {
     select: (index) => index !== undefined && act(() => api.selectComponent(index)),
     camera: (view, covered) => act(() => api.setCamera(view, covered)),
   };
+}
+
+// Where nothing is added or removed, a change that did arrive is the same when it is made again.
+export const repeatable = (patch) => patch.every(({ op }) => op === "replace");
+
+function toldOf(error, again) {
+  const problem = error.problem ?? { title: error.message };
+  return again && problem.unreachable ? { ...problem, detail: "The change is kept in this page, and sent once the studio is back." } : problem;
 }
 
 async function refresh(store) {
@@ -55,15 +72,25 @@ function newer(heard, { consequences, run }) {
 }
 
 // Hears of each change and fetches the state: one fetch at a time, and only for the newest revision.
-export function follow(store) {
+export function follow(store, actions) {
   const fetchState = api.latestWins(() => refresh(store));
   let source = null;
+  let before = null; // what was selected when the connection was lost: a studio that began anew does not know
+  async function recover(selected) {
+    before = null;
+    if (selected !== undefined) await api.selectComponent(selected).catch(() => {});
+    await actions.resume();
+  }
   function connect() {
     source = new EventSource("events");
     source.addEventListener("state", fetchState);
     source.addEventListener("consequences", ({ data }) => store.set({ consequences: JSON.parse(data) }));
-    source.addEventListener("open", () => store.set({ connected: true }));
+    source.addEventListener("open", () => {
+      store.set({ connected: true });
+      if (before) recover(before.selected);
+    });
     source.addEventListener("error", async () => {
+      before ??= { selected: store.get("state")?.selected };
       store.set({ connected: false });
       if (source.readyState !== EventSource.CLOSED) return;
       // An event stream's refusal has no reason that script can read; the state's has.

@@ -77,6 +77,7 @@ export class Timeline {
     this.path.setRun(state.run);
     this.lanes.hint(state);
     this.layout();
+    this.hover.refresh();
   }
 
   // Returns whether the axis changed. Under a drag it stays: a point moved by a moving axis would run away.
@@ -129,6 +130,7 @@ export class Timeline {
     this.shown = t;
     if (moved && this.zoom.follow(t)) return this.draw();
     $("clock-line").hidden = !this.scale.shows(t);
+    $("scrub").dataset.outside = t < this.scale.from ? "before" : t > this.scale.to ? "after" : ""; // its head is an arrow then
     $("clock-line").style.transform = `translateX(${(this.left ?? 0) + this.scale.x(t)}px)`;
     this.lanes.showTime(t);
     this.plots.showTime(t);

@@ -2,7 +2,7 @@
 
 import { longerThan } from "./format.js";
 
-export const GUTTER = 62; // pixels left of the window, for the value axes' numbers and the lanes' unit
+export const GUTTER = 78; // pixels left of the window, for the value axes' numbers and the lanes' unit
 export const MARGIN = 14; // pixels right of it
 const CLOSEST = 500; // times: how near a look may come
 

@@ -3,6 +3,8 @@
 import { call } from "./api.js";
 import { $, el } from "./dom.js";
 import { degrees, extensionScale, fixed } from "./format.js";
+import { heldAt, spanText } from "./held.js";
+import { holdPatch } from "./holdpatch.js";
 import { problemNodes } from "./problem.js";
 
 const STEEPEST = 90; // degrees
@@ -33,8 +35,17 @@ function failed({ message, nearest, active }, components) {
     nearest ? el("p", {}, `Nearest: ${glide(nearest)}.`) : null), ...(nearest ? [extensionRows(nearest.extensions, components)] : [])];
 }
 
-export function connectTrimFor({ store }) {
+export function connectTrimFor({ store, clock, actions }) {
   const [form, field, answer] = [$("trim-for"), $("trim-for-angle"), $("trim-for-answer")];
+
+  // Into the schedule's hold in force at the clock, as one change; a controller would not keep to it.
+  function applyButton({ extensions }) {
+    const held = heldAt(store.get("consequences"), clock.t);
+    if (!held || held.hold.about) return [];
+    const place = spanText(held.span, clock.end);
+    const apply = () => actions.edit(holdPatch(store.get("state"), held.span, extensions));
+    return [el("button", { class: "btn small", type: "button", title: `Holds the cells so from ${place}; can be undone`, "data-testid": "trim-for-apply", onclick: apply }, `Apply to ${place}`)];
+  }
 
   async function ask() {
     const components = store.get("state")?.components ?? [];
@@ -47,7 +58,7 @@ export function connectTrimFor({ store }) {
     }
     try {
       const { trims, failure } = await call("POST", "trim-for", { targets: { glide_angle: (angle * Math.PI) / 180 } });
-      answer.replaceChildren(...(failure ? failed(failure, components) : found(trims[0], components)));
+      answer.replaceChildren(...(failure ? failed(failure, components) : [...found(trims[0], components), ...applyButton(trims[0])]));
     } catch (error) {
       answer.replaceChildren(el("div", { class: "box bad" }, ...problemNodes(error.problem ?? { title: error.message })));
     }

@@ -1,11 +1,15 @@
 // The only module that knows the viewer's client: it pushes messages into the iframe's own queue.
 // The hook is the client's test hook, not a promise: detected anew each time, and without it the server moves the scene.
 
+import { annotated } from "./picture.js";
+import { labelChoice } from "./scenelabels.js";
 import { applySkin } from "./viewerskin.js";
 
 const HOOK_PATIENCE = 8000; // ms after the iframe's load before the fallback starts
 const CHECK_EVERY = 300; // ms between comparisons of wanted and shown
 const FALLBACK_EVERY = 50; // ms between clock posts: 20 Hz
+const PICTURE_DPR = 1; // at least so many of the canvas's pixels to one of the page's in a saved picture
+const SHARPEN_FRAMES = 30;
 const RETURN_PATIENCE = 3000; // ms the client has to come back by itself once the server answers again
 const RELOAD_EVERY = [10000, 20000, 40000, 60000]; // ms; longer each time, as a slow machine loads the client slowly
 
@@ -21,6 +25,23 @@ const messages = {
   scale: (name, scale) => ({ type: "SceneNodeUpdateMessage", name, updates: { scale }, owner: "" }),
   visible: (name, visible) => ({ type: "SetSceneNodeVisibilityMessage", name, visible, owner: "" }),
 };
+
+// The state of the client's renderer (react-three-fiber keeps it at the scene), or null where it is kept elsewhere.
+function rendererOf({ scene }) {
+  const state = scene?.__r3f?.root?.getState?.();
+  return typeof state?.setDpr === "function" && state.viewport?.dpr > 0 ? state : null;
+}
+
+// Draws as many pixels as the page has, where the client was told to draw fewer; resolves when it has, or in vain.
+async function sharpen(mutable, renderer) {
+  const before = mutable.canvas.width;
+  renderer.setDpr(PICTURE_DPR);
+  mutable.requestRender();
+  const frame = () => new Promise((resolve) => mutable.canvas.ownerDocument.defaultView.requestAnimationFrame(resolve));
+  for (let k = 0; k < SHARPEN_FRAMES && mutable.canvas.width === before; k += 1) await frame();
+  mutable.requestRender();
+  for (let k = 0; k < 3; k += 1) await frame();
+}
 
 export class Viewer {
   constructor(iframe, { visibilityOf, onLink, onKey, onGrab, postClock }) {
@@ -48,10 +69,23 @@ export class Viewer {
     this.nextReload = now + RETURN_PATIENCE;
   }
 
-  // What is seen now, as a PNG; null where the client shows nothing. Its canvas keeps what it has drawn.
-  picture() {
-    const canvas = this.hook()?.canvas;
-    return new Promise((resolve) => (canvas ? canvas.toBlob(resolve, "image/png") : resolve(null)));
+  // What is seen now, as a PNG with `notes` over it; null where the client shows nothing. Its canvas keeps what it drew.
+  async picture(notes) {
+    const mutable = this.hook();
+    if (!mutable?.canvas) return null;
+    const { canvas } = mutable;
+    const renderer = rendererOf(mutable);
+    const dpr = renderer?.viewport.dpr;
+    const finer = renderer && dpr < PICTURE_DPR;
+    if (finer) await sharpen(mutable, renderer);
+    try {
+      return await annotated(canvas, { width: canvas.clientWidth, height: canvas.clientHeight }, notes);
+    } finally {
+      if (finer) {
+        renderer.setDpr(dpr);
+        mutable.requestRender();
+      }
+    }
   }
 
   // Asked for at each check: a load event may have come before this module ran.
@@ -126,7 +160,7 @@ export class Viewer {
     for (const [name, node] of this.wanted) {
       if (name in tree) this.compare(corrections, name, node, tree[name], mutable.nodePoseData?.[name]);
     }
-    this.compareVisibility(corrections, tree);
+    this.compareVisibility(corrections, tree, labelChoice(mutable, tree));
     if (corrections.length === 0) return;
     mutable.messageQueue.push(...corrections);
     mutable.requestRender();
@@ -139,9 +173,9 @@ export class Viewer {
     }
   }
 
-  compareVisibility(corrections, tree) {
+  compareVisibility(corrections, tree, labelShown) {
     for (const [name, node] of Object.entries(tree)) {
-      const visible = this.visibilityOf(name);
+      const visible = this.visibilityOf(name) ?? labelShown(name);
       if (visible !== null && (node?.visibility ?? true) !== visible) corrections.push(messages.visible(name, visible));
     }
   }

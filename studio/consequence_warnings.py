@@ -14,7 +14,7 @@ from models.components import Bladder, Piston, RollingMass, extension_unit
 from models.design import Design
 from models.operating_point import down_in_body
 from models.problems import Problem, pointer_to
-from models.stability import stretches_lost, worst_of
+from models.stability import Quantity, stretches_lost, worst_of
 from studio.holds import Span
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 LITTLE = 0.1
 """Share of what the cells change net buoyancy by, in all, that should be left on the other side of neutral."""
+NOISE = 1e-9
+"""Share of the same that is a rounding error."""
 MOST_TIMES = 12
 OF_MARGINS = ("pitch_stiffness", "pitch_margin", "yaw_margin")
 """Margins warned of here; that weight lies above buoyancy is told by the run's own warnings."""
@@ -54,7 +56,8 @@ def severity_of(problem: Problem) -> str:
 def warnings_of(
     design: Design, glides: Sequence[HeldGlide], margins: Margins | None, cells: Sequence[CellReach]
 ) -> Iterator[Warned]:
-    """Yield everything to warn of, the hold's trims first."""
+    """Yield everything to warn of, the hold's trims first; nothing of holds that the run did not reach."""
+    glides = [glide for glide in glides if glide.hold.reached]
     for glide in glides:
         yield from _of_trim(design, glide)
     yield from _of_reserve(design, glides)
@@ -73,9 +76,11 @@ def times_in_words(spans: Sequence[Span]) -> str:
 def _of_trim(design: Design, glide: HeldGlide) -> Iterator[Warned]:
     held, trim = times_in_words(glide.hold.spans), glide.trim
     if trim is not None and not trim.stable:
-        doubles = f", they double in {math.log(2.0) / trim.growth:.3g} s" if trim.growth > 1e-6 else ""
+        doubles = f"double in {math.log(2.0) / trim.growth:.3g} s, " if trim.growth > 1e-6 else ""
+        others = ", as are all others there" if glide.others else ""
         message = (
-            f"no trim with the cells as held {held} is stable: small motions grow by {trim.growth:.3g} 1/s{doubles}"
+            f"unstable glide: small motions {doubles}growing by {trim.growth:.3g} 1/s about the trim with the cells as "
+            f"held {held}{others}"
         )
         hint = "see which one in the modes; a fin, or weight placed lower, steadies most"
         yield Warned("bad", Problem("/vehicle/components", message, 0.0, hint), glide.hold.spans)
@@ -108,6 +113,7 @@ def _of_reserve(design: Design, glides: Sequence[HeldGlide]) -> Iterator[Warned]
     ):  # fmt: skip
         if reached >= LITTLE * span:
             continue
+        reached = 0.0 if abs(reached) < NOISE * span else reached
         message = (
             f"with every cell as {what} as its stops allow net buoyancy is {sign * reached:+.3g} N, "
             f"{'less' if sign > 0 else 'more'} than {sign * LITTLE * span:+.3g} N, a tenth of what the cells change"
@@ -119,6 +125,11 @@ def _of_reserve(design: Design, glides: Sequence[HeldGlide]) -> Iterator[Warned]
         yield Warned("warn" if reached > 0.0 else "bad", Problem("/vehicle/components", message, LITTLE * span, hint))
 
 
+def margin_in_words(quantity: Quantity, value: float) -> str:
+    """Return a margin in the units of the page's readouts: in mm, or in hundredths of the vehicle's length."""
+    return f"{1e2 * value:.3g} % L" if quantity.unit == "1" else f"{1e3 * value:.3g} mm"
+
+
 def _of_margins(margins: Margins, *, steady: bool) -> Iterator[Warned]:
     for quantity in margins.quantities:
         if quantity.name not in OF_MARGINS:
@@ -128,11 +139,10 @@ def _of_margins(margins: Margins, *, steady: bool) -> Iterator[Warned]:
         worst = worst_of(quantity, margins.times, values)
         if not lost or worst is None:
             continue
-        unit = "" if quantity.unit == "1" else f" {quantity.unit}"
         meanwhile = "; the trims are stable all the same" if steady else ""
         message = (
-            f"{quantity.words} is below 0 from {times_in_words(lost)}, at worst {worst.value:.3g}{unit} at "
-            f"{worst.time:.4g} s{meanwhile}"
+            f"{quantity.words} is below 0 from {times_in_words(lost)}, at worst "
+            f"{margin_in_words(quantity, worst.value)} at {worst.time:.4g} s{meanwhile}"
         )
         problem = Problem(quantity.pointer, message, 0.0, MARGIN_HINTS[quantity.name])
         yield Warned("note" if steady else "warn", problem, tuple(lost))

@@ -28,6 +28,7 @@ from studio.holds import Hold
 
 Array = NDArray[np.float64]
 COMPILING = "the analyses are still being compiled"
+NOTHING_DRIVES = "the glider weighs what it displaces"
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class HeldGlide:
     """A hold, how it floats, and its trim; without one `why` says so in words, and `rest` how the glider hangs.
 
     `offset` (3,) m goes from the centre of buoyancy to that of mass; `others` are the trims beside the one told.
-    `searched` is False as long as the search is being compiled.
+    `searched` is False as long as the search is being compiled, and where the run ended before the hold.
     """
 
     hold: Hold
@@ -67,9 +68,14 @@ def held_glide(assembly: Assembly, hold: Hold, run: Run | None, *, analyses: boo
     """Return what a hold amounts to; without `analyses` (they are compiled yet) there is no trim."""
     depth = depth_of(assembly.design, hold, run)
     balance = mass_balance(assembly.design.vehicle, hold.extensions)
-    trim, others, why, rest = _trim(assembly, hold, depth, run) if analyses else (None, (), COMPILING, None)
+    searched, unsought = analyses and hold.reached, COMPILING if run is None or hold.reached else _not_reached(run)
+    trim, others, why, rest = _trim(assembly, hold, depth, run) if searched else (None, (), unsought, None)
     offset, reserve = balance.center_of_mass - balance.center_of_buoyancy, reserve_of(assembly.design, hold, depth)
-    return HeldGlide(hold, analyses, depth, reserve, offset, trim, others, why, rest)
+    return HeldGlide(hold, searched, depth, reserve, offset, trim, others, why, rest)
+
+
+def _not_reached(run: Run) -> str:
+    return f"not reached, the run ended at {run.times[-1]:.4g} s"
 
 
 def depth_of(design: Design, hold: Hold, run: Run | None) -> float:
@@ -113,7 +119,8 @@ def _trim(
     except DesignError as error:
         return None, (), str(error.problems[0].message), None
     if not found.solutions:
-        return None, (), found.searched, found.rest
+        # in words: what is left of the weight is a rounding error, and the page tells how it hangs
+        return None, (), found.searched if found.rest is None else NOTHING_DRIVES, found.rest
     candidates = found.stable or found.solutions
     chosen = candidates[0] if run is None else min(candidates, key=lambda trim: _way_off(trim, hold, run))
     return chosen, tuple(trim for trim in found.solutions if trim is not chosen), None, None
@@ -143,7 +150,8 @@ def glide_document(glide: HeldGlide) -> dict[str, Any]:
     """Return a hold and what it amounts to, as the page shows it."""
     reserve, rest = glide.reserve, glide.rest
     return {
-        "spans": glide.hold.spans, "about": glide.hold.about, "extensions": dict(glide.hold.extensions),
+        "spans": glide.hold.spans, "about": glide.hold.about, "reached": glide.hold.reached,
+        "extensions": dict(glide.hold.extensions),
         "depth": glide.depth,
         "reserve": {"now": reserve.now, "least": reserve.least, "most": reserve.most, "share": reserve.share},
         "offset": glide.offset.tolist(),

@@ -29,6 +29,8 @@ SAME = 1e-6
 """Extensions that differ by less than this share of a stroke are one hold."""
 ALIKE = 0.03
 """Under control extensions scatter: phases within this share of a stroke of each other are one hold."""
+JUST = 1e-6
+"""By less than this, s, a run that ends before a hold does ends with it."""
 SHORTEST = 0.02
 """Phases of a controlled run below this share of it are none."""
 TURNS = ("dive", "climb", "waypoint")
@@ -36,11 +38,15 @@ TURNS = ("dive", "climb", "waypoint")
 
 @dataclass(frozen=True)
 class Hold:
-    """Extensions (m or rad, by name) and when they are held (s); `about` where they are typical, not exact."""
+    """Extensions (m or rad, by name) and when they are held (s); `about` where they are typical, not exact.
+
+    `reached` is False where the run ended before: its times are then those of the mission.
+    """
 
     spans: tuple[Span, ...]
     extensions: Mapping[str, float]
     about: bool = False
+    reached: bool = True
 
     @property
     def lasts(self) -> float:
@@ -56,8 +62,16 @@ def holds_of(assembly: Assembly, run: Run | None) -> tuple[list[Hold], int]:
     else:
         found, tolerance = phases_of(run) if run is not None else [], ALIKE
     distinct = _distinct(found, {part.name: part for _, part in design.vehicle.actuated}, tolerance)
-    kept = sorted(distinct, key=lambda hold: -hold.lasts)[:MOST_HOLDS]
+    if run is not None:
+        distinct = [_as_flown(hold, float(run.times[-1])) for hold in distinct]
+    kept = sorted(distinct, key=lambda hold: (not hold.reached, -hold.lasts))[:MOST_HOLDS]
     return sorted(kept, key=lambda hold: hold.spans[0]), len(distinct) - len(kept)
+
+
+def _as_flown(hold: Hold, end: float) -> Hold:
+    """Return a hold with the times before a run's end (s), or as not reached where it has none."""
+    flown = tuple((start, min(stop, end) if stop > end + JUST else stop) for start, stop in hold.spans if start < end)
+    return replace(hold, spans=flown) if flown else replace(hold, reached=False)
 
 
 def scheduled_holds(design: Design) -> list[Hold]:

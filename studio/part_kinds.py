@@ -32,6 +32,9 @@ NAMES = {
 POLYETHYLENE, LEAD, SAMPLER = 950.0, 11_340.0, 1415.0
 """Densities, kg/m3; that of the sampler is that of the quad glider's closed tube."""
 BALLAST_MASS = 0.05
+USUAL_LENGTH = 0.6
+"""Length of the vehicle for which the moving parts below are sized, m; those of another grow or shrink with it."""
+LEAST_SCALE, MOST_SCALE = 0.2, 10.0
 FORCES_NOTE = "The forces of the water on it are not added: they are those of the whole vehicle, under Vehicle."
 FLAT_NOTE = f"A plate of polyethylene, 950 kg/m3. {FORCES_NOTE}"
 
@@ -52,30 +55,40 @@ def new_part(design: Design, kind: str, place: float) -> Part:
             cube = {"kind": "cylinder", "length": 0.03, "radius": 0.008}
             part = {"mass": 0.02, "volume": 6e-6, "shapes": [cube]}
         case _:
-            part = _moving(kind)
+            part = _moving(kind, min(max(length / USUAL_LENGTH, LEAST_SCALE), MOST_SCALE))
     x, y, z = part.get("position", (0.0, 0.0, 0.0))
     known = kind if kind in ("bellows", "piston", "bladder", "movable_mass", "rolling_mass") else "rigid"
     return {"mass": 0.0} | part | {"kind": known, "position": [round(place + x, 4), y, z]}
 
 
-def _moving(kind: str) -> Part:
+def _moving(kind: str, scale: float) -> Part:
+    """Return a moving part, `scale` times as long as in a vehicle of the usual length; strokes take the same time."""
+
+    def sized(value: float, power: int = 1) -> float:
+        return _rounded(value * scale**power)
+
+    rate, mass = sized(0.002), sized(0.05, 3)
     match kind:
         case "bellows":
             return {
-                "pleats": 8, "inner_radius": 0.016, "outer_radius": 0.024, "fixed_volume": 2e-5,
-                "extension_range": [0.0, 0.032], "neutral_extension": 0.016, "rate_limit": 0.002,
+                "pleats": 8, "inner_radius": sized(0.016), "outer_radius": sized(0.024), "fixed_volume": sized(2e-5, 3),
+                "extension_range": [0.0, sized(0.032)], "neutral_extension": sized(0.016), "rate_limit": rate,
             }  # fmt: skip
         case "piston":
-            return {"volume": 4e-5, "volume_range": [3e-5, 5e-5], "area": 5e-4, "rate_limit": 0.002}
+            volumes = [sized(3e-5, 3), sized(5e-5, 3)]
+            return {"volume": sized(4e-5, 3), "volume_range": volumes, "area": sized(5e-4, 2), "rate_limit": rate}
         case "bladder":
             return {
-                "extensions": [0.0, 0.01, 0.02], "volumes": [1e-5, 2e-5, 3e-5],
-                "neutral_extension": 0.01, "rate_limit": 0.002,
+                "extensions": [0.0, sized(0.01), sized(0.02)], "volumes": [sized(v, 3) for v in (1e-5, 2e-5, 3e-5)],
+                "neutral_extension": sized(0.01), "rate_limit": rate,
             }  # fmt: skip
         case "movable_mass":
-            return {"mass": 0.05, "extension_range": [-0.03, 0.03], "neutral_extension": 0.0, "rate_limit": 0.005}
+            reach = sized(0.03)
+            return {
+                "mass": mass, "extension_range": [-reach, reach], "neutral_extension": 0.0, "rate_limit": sized(0.005),
+            }  # fmt: skip
         case "rolling_mass":
-            return {"mass": 0.05, "angle_range": [-1.5, 1.5], "neutral_angle": 0.0, "rate_limit": 0.2}
+            return {"mass": mass, "angle_range": [-1.5, 1.5], "neutral_angle": 0.0, "rate_limit": 0.2}
     hint = f"use one of {', '.join(NAMES)}"
     raise DesignError([Problem("/vehicle/components", f"there is no kind of component '{kind}'", hint=hint)])
 

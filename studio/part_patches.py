@@ -27,8 +27,11 @@ def mirror(design: Design, index: int, schedule: Sense | None = None) -> Patch:
     """
     original = component_at(design, index)
     if is_its_own_image(original):
-        pointer = pointer_to("vehicle", "components", index, "position", 1)
         message = f"'{original.name}' stands in the plane of symmetry (y = 0): its mirror image is itself"
+        if design.mission.solver.model == "planar":  # where no part has a side
+            hint = "choose the spatial model first, then give it a position y"
+            raise DesignError([Problem("/mission/solver/model", message, limit="spatial", hint=hint)])
+        pointer = pointer_to("vehicle", "components", index, "position", 1)
         raise DesignError([Problem(pointer, message, limit=0.0, hint="give it a position y first")])
     partner = partners(design.vehicle.components)[index]
     if partner is not None:

@@ -56,7 +56,8 @@ def replay_html(session: Session) -> str:
             raise DesignError([Problem("", message, hint="wait until the page says Ready, then export again")])
         scene, state = _scene(session), state_of(session, saved_at=None)
         if design is session.design and run is session.run:
-            return _checked(_assembled(scene, {name: state[name] for name in SHOWN}))
+            legend = {name: state["scene"][name] for name in ("path", "path_colors")}
+            return _checked(_assembled(scene, {name: state[name] for name in SHOWN} | {"scene": legend}))
     message = "the design changed while its replay was made"
     raise DesignError([Problem("", message, hint="export again when the edit is done")])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,6 @@ from studio.attitude import Quaternion, attitude_at, attitude_of, quaternion_abo
 from studio.bodies import breath, drawn_length
 from studio.curves import MAX_POINTS, curve_samples
 from studio.gizmo import Gizmo
-from studio.grid import room_box
 from studio.guard import GuardedServer, make_server
 from studio.outlook import outlook
 from studio.palette import rgb
@@ -98,11 +98,11 @@ class View:
         `covered` is the share of the picture, from its top, that lies under the page's buttons.
         """
         far_off = view == OVERVIEW
-        box = self._path_box()
-        size = float(np.linalg.norm(box[1] - box[0]))
+        points = self._path_and_around()
+        size = float(np.linalg.norm(np.ptp(points, axis=0)))
         for client in self.server.get_clients().values():
             look_at, position = (
-                outlook(box, float(FIELD_OF_VIEW), client.camera.aspect, covered)
+                outlook(points, float(FIELD_OF_VIEW), client.camera.aspect, covered)
                 if far_off
                 else self._camera_pose(view)
             )
@@ -152,16 +152,15 @@ class View:
         camera.position, camera.look_at = position, look_at
         camera.near, camera.far = NEAR, FAR
 
-    def _path_box(self) -> tuple[Array, Array]:
-        """Return the corners (3,) of the box around the path and, where it turns, its walls; from the path's middle."""
-        design, run = self.session.design, self.session.run
-        length = vehicle_length(design)
+    def _path_and_around(self) -> Array:
+        """Return points (n, 3) that the overview shows: the path, from the middle of its box, and a vehicle's length.
+
+        The walls around a path that turns may reach beyond the picture: in a picture of them all it would be small.
+        """
+        run, length = self.session.run, vehicle_length(self.session.design)
         points = np.zeros((1, 3)) if run is None else path_points(run)
-        low, high = points.min(axis=0), points.max(axis=0)
-        middle = (low + high) / 2.0
-        if high[1] - low[1] > length:
-            low, high = room_box(points, length, design.mission.environment.bed_depth)
-        return np.minimum(low - middle, -length), np.maximum(high - middle, length)
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
+        return np.concatenate([points - middle, length * np.array(list(product((-1.0, 1.0), repeat=3)))])
 
     def _camera_pose(self, view: str) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         low, high = vehicle_extent(self.session.design)

@@ -90,11 +90,45 @@ def test_help_tells_the_sentence_symbol_limits_and_si_value(panel):
     panel.box("Outer radius").focus()
     panel.key("Tab", "Shift+Tab")
     told = panel.page.get_by_test_id("field-help")
-    expect(told).to_be_visible()
+    assert told.count() == 0, "who passes by with Tab wants no help"
+    panel.key("F1")
     for words in ("Radius at the crests of the pleats.", "above 0.0 mm up to 50000.0 mm", "0.024 m"):
         expect(told).to_contain_text(words)
+    panel.page.keyboard.type("26.5")
+    expect(told).to_contain_text("0.0265 m")
+    card, scene = told.bounding_box(), panel.page.locator("main.scene").bounding_box()
+    assert card["x"] >= scene["x"] and scene["y"] <= card["y"]
+    assert card["y"] + card["height"] <= scene["y"] + scene["height"]
     panel.key("Escape")
     expect(told).to_be_hidden()
+
+
+def test_a_bound_is_told_in_the_unit_of_the_box(panel):
+    panel.type_number("Mass", -5)
+    expect(panel.row("Mass").get_by_role("alert")).to_contain_text("\u22125 g: at least 0 g is wanted")
+    expect(panel.page.get_by_test_id("problem")).to_contain_text("\u22125 g: at least 0 g is wanted")
+
+
+def test_undo_in_a_box_is_the_documents_unless_it_holds_a_draft(panel):
+    def mass() -> float:
+        return round(panel.at("vehicle", "components", 1, "mass"), 6)
+
+    panel.type_number("Mass", 31)
+    panel.wait_until(lambda: mass() == 0.031 and panel.state("s.can_undo"))
+    panel.box("Mass").focus()
+    panel.key("Control+z")
+    panel.wait_until(lambda: mass() == 0.03 and panel.state("s.can_redo"))
+    expect(panel.box("Mass")).to_have_value("30.0")
+    panel.key("Control+Shift+z")
+    panel.wait_until(lambda: mass() == 0.031)
+    expect(panel.box("Mass")).to_have_value("31.0")
+    expect(panel.box("Mass")).to_be_focused()
+    panel.page.keyboard.type("32")
+    panel.key("Control+z")
+    panel.page.wait_for_timeout(200)
+    assert mass() == 0.031 and panel.state("s.can_redo") is False
+    panel.key("Escape", "ArrowUp")
+    panel.wait_until(lambda: mass() == 0.032)
 
 
 def test_mass_is_declared_as_it_is_and_composed_again(panel):

@@ -40,6 +40,22 @@ def test_what_rolls_cannot_be_added_in_the_plane_and_the_palette_says_why(panel)
     expect(panel.page.get_by_test_id("parts-add")).to_be_focused()
 
 
+def test_nothing_on_the_axis_is_mirrored_in_the_plane_and_the_button_says_why(panel):
+    button = panel.page.get_by_test_id("parts-mirror")
+    expect(button).to_be_disabled()
+    expect(button).to_have_attribute("title", re.compile("choose the spatial model first"))
+    panel.page.get_by_test_id("parts-more").click()
+    for name in ("Mirror port and starboard", "Mirror with its schedule"):
+        expect(panel.page.get_by_role("menuitem", name=name)).to_be_disabled()
+    panel.key("Escape")
+    panel.focus_tree()
+    panel.key("m")
+    problem = panel.page.get_by_test_id("problem")
+    expect(problem).to_contain_text("choose the spatial model first")
+    problem.get_by_role("button", name="Show model").click()
+    expect(panel.page.locator(".part-field[data-pointer='/mission/solver/model'] select")).to_be_focused()
+
+
 def test_a_part_is_mirrored_and_both_are_told_as_partners(spatial):
     spatial.add_part("Piston")
     spatial.wait_until(lambda: "Piston" in spatial.names())
@@ -174,3 +190,44 @@ def test_a_pointer_leads_to_its_field(panel):
         expect(panel.page.locator(f".part-field[data-pointer='{pointer}'] .field-label")).to_have_text(label)
         index = re.match(r"/vehicle/components/(\d)", pointer)
         assert panel.state("s.selected") == (int(index[1]) if index else 0)
+
+
+LINK = """async ([pointer, there]) => {
+  const { pointerLink } = await import('/static/notices.js');
+  const link = pointerLink(window.__studio.state, { showForces() {} })(pointer);
+  link?.click();
+  const flashes = () => Boolean(there && document.querySelector(`${there}.flash`));
+  for (let k = 0; there && k < 300 && !flashes(); k += 1) await new Promise(requestAnimationFrame);
+  return [link?.textContent ?? null, flashes()];
+}"""
+
+
+def test_every_link_has_words_and_leads_somewhere(panel):
+    for pointer, words, there in (
+        ("/vehicle/components", "Show the list of parts", "[data-testid=parts-tree]"),
+        ("/vehicle/components/9/mass", "Show the list of parts", "[data-testid=parts-tree]"),
+        ("/vehicle/components/1/position/1", "Show Front bellows: position y", "[data-testid=part-fields]"),
+        ("/vehicle/components/2/extension_range/1", "Show Rear bellows: stroke to", "[data-pointer$=extension_range]"),
+        ("/mission/control/schedules/0/points/0/time", "Show Front bellows, point 1", "[data-testid^=lane-Front]"),
+        ("/mission/control/schedules/0", "Show Front bellows, schedule", "[data-testid^=lane-Front]"),
+        ("/mission/control/schedules/9/points", "Show the schedules", "#lanes"),
+        ("/mission/initial/extensions/Front bellows", "Show Front bellows at start", ".part-field"),
+        ("/vehicle", "Show vehicle", "[data-testid=section-vehicle]"),
+    ):
+        assert panel.page.evaluate(LINK, [pointer, there]) == [words, True]
+    assert panel.page.evaluate(LINK, ["/kind", ""]) == [None, False]
+    panel.part("Rear bellows").click()
+    panel.wait_until(lambda: panel.state("s.selected") == 2)
+    panel.page.evaluate(LINK, ["/mission/control/schedules/0/points/1/extension", ""])
+    expect(panel.page.get_by_test_id("point-Front bellows-1")).to_be_focused()
+    panel.wait_until(lambda: panel.state("s.selected") == 1)
+
+
+def test_choosing_a_part_brings_its_fields_into_view(panel):
+    for section in ("vehicle", "water", "design"):
+        panel.open_section(section)
+    panel.page.get_by_test_id("section-design").locator("textarea").scroll_into_view_if_needed()
+    expect(panel.page.get_by_test_id("form-title")).not_to_be_in_viewport()
+    panel.part("Rear bellows").click()
+    expect(panel.page.get_by_test_id("form-title")).to_contain_text("Rear bellows")
+    expect(panel.page.get_by_test_id("form-title")).to_be_in_viewport()

@@ -209,6 +209,50 @@ def test_the_compass_and_the_bar_follow_the_camera(turning):
     turning.wait_until(bar_is_true)
 
 
+def labels_in_sight(studio: StudioPage) -> list[str]:
+    """Return the labels in the water that are shown."""
+    tree = "Object.entries(window.__viserSceneTree.getState())"
+    test = "/^\\/world\\/(rungs|grid|room)\\/label/.test(name) && (node.visibility ?? true)"
+    found: list[str] = view_of(studio.page).evaluate(f"() => {tree}.filter(([name, node]) => {test}).map(([n]) => n)")
+    return found
+
+
+def test_depths_in_the_water_never_lie_over_each_other(turning):
+    seek(turning, 100.0)
+    for camera in ("chase", "top", "side"):
+        turning.page.get_by_test_id(f"camera-{camera}").click()
+
+        def apart() -> bool:
+            shown = labels_in_sight(turning)
+            world = {name: turning.pose(name)["position"] for name in shown}
+            at = (
+                on_canvas(turning, *(("/world", tuple(place)) for place in world.values()))
+                if shown
+                else np.empty((0, 2))
+            )
+            gaps = np.abs(at[:, None] - at[None])[np.triu_indices(len(at), 1)]
+            return 0 < len(shown) <= 12 and bool(((gaps[:, 0] > 40.0) | (gaps[:, 1] > 14.0)).all())
+
+        turning.wait_until(apart)
+    turning.page.get_by_test_id("camera-overview").click()
+    turning.wait_until(lambda: sum(name.startswith("/world/room") for name in labels_in_sight(turning)) > 4)
+
+
+def test_a_low_scene_begins_with_its_legend_in_one_row(studio):
+    page = studio.page
+    fold, lift = page.get_by_test_id("legend-fold"), page.get_by_test_id("force-lift")
+    expect(lift).to_be_visible()
+    page.set_viewport_size({"width": 1280, "height": 600})
+    expect(fold).to_have_attribute("aria-expanded", "false")
+    expect(lift).to_be_hidden()
+    assert page.get_by_test_id("forces").bounding_box()["height"] < 30
+    assert page.locator("#scene-bar").bounding_box()["height"] < 40
+    fold.click()
+    expect(lift).to_be_visible()
+    page.reload()
+    expect(lift).to_be_visible()
+
+
 def test_keys_choose_where_to_look_from(studio):
     page = studio.page
     for key, camera in (("2", "top"), ("5", "overview"), ("4", "free"), ("3", "chase"), ("1", "side")):

@@ -171,6 +171,61 @@ def test_points_are_moved_and_opened_by_keys(lake):
     assert page.get_by_test_id("snap-time").input_value() == "1"
 
 
+def test_a_refused_number_stays_in_its_popup_with_the_reason(lake):
+    page = lake.page
+    before = lake.points("Front bellows")
+    lake.point("Front bellows", 1).click()
+    box, refused = page.get_by_test_id("point-extension"), page.get_by_test_id("point-refused")
+    box.fill("500")
+    page.get_by_test_id("point-apply").click()
+    expect(refused).to_contain_text("stop")
+    expect(box).to_have_value("500")
+    expect(box).to_have_attribute("aria-invalid", "true")
+    assert lake.points("Front bellows") == before
+    box.fill(str(1e3 * before[1]["extension"]))
+    expect(refused).to_be_hidden()
+    page.get_by_test_id("point-time").fill("0")
+    page.get_by_test_id("point-apply").click()
+    expect(refused).to_contain_text("point 2 of 'Front bellows'")
+    page.get_by_test_id("point-time").fill("11")
+    page.get_by_test_id("point-apply").click()
+    expect(page.get_by_test_id("point-editor")).to_be_hidden()
+    lake.settled("s.schedules[0].points[1].time === 11")
+
+
+def test_a_refused_copy_keeps_its_dialog_open(lake):
+    page = lake.page
+    reason = {"title": "Too many points", "status": 422, "errors": [{"pointer": "/mission", "message": "use fewer"}]}
+    page.route("**/edit", lambda route: route.fulfill(status=422, json=reason), times=1)
+    lake.menu("Front bellows", "shift-schedule")
+    page.get_by_test_id("copy-later").fill("1")
+    page.get_by_test_id("copy-apply").click()
+    expect(page.get_by_test_id("copy-refused")).to_contain_text("use fewer")
+    expect(page.get_by_test_id("copy-later")).to_have_value("1")
+    page.get_by_test_id("copy-apply").click()
+    expect(page.get_by_test_id("copy-dialog")).to_be_hidden()
+
+
+def test_a_drag_shows_its_numbers_and_the_tip_tells_the_new_command(lake):
+    page = lake.page
+    page.mouse.move(*center(lake.point("Front bellows", 1)))
+    page.mouse.down()
+    page.mouse.move(center(lake.point("Front bellows", 1))[0] - 40, center(lake.point("Front bellows", 1))[1], steps=3)
+    shown = page.get_by_test_id("drag-tip").inner_text()
+    assert re.fullmatch(r"\d+\.\d\d s · \d+\.\d+ mm", shown)
+    page.mouse.up()
+    expect(page.get_by_test_id("drag-tip")).to_be_hidden()
+    time = float(shown.split()[0])
+    lake.settled(f"Math.abs(s.schedules[0].points[1].time - {time}) < 0.02")
+    first, second = (f"{1e3 * point['extension']:.2f} mm" for point in lake.points("Front bellows")[:2])
+    describe = "t => window.__studio.timeline.lanes.list[0].describe(t)[0][1]"
+    assert [page.evaluate(describe, time + by) for by in (-0.02, 0.02)] == [first, second], "nothing between the two"
+    page.mouse.move(*lake.place(lake.lane("Front bellows"), time + 3.0, 0.9))
+    expect(page.locator("#tip")).to_contain_text(second)
+    lake.edit({"op": "replace", "path": "/mission/control/schedules/0/points/1/extension", "value": 0.0168})
+    expect(page.locator("#tip")).to_contain_text("Command16.80 mm")
+
+
 def test_a_schedule_is_copied_mirrored_to_the_partner(spiral):
     page = spiral.page
     before = spiral.points(STARBOARD)
@@ -225,6 +280,10 @@ def test_lanes_and_plots_are_looked_at_closer_together(spiral):
     # playing on beyond the window turns the page; the clock's line is in sight
     page.evaluate("() => window.__studio.clock.seek(900)")
     assert spiral.scale("s.shows(900)") and spiral.scale("s.seconds") == pytest.approx(length)
+    expect(page.locator("#scrub")).to_have_attribute("data-outside", "")
+    page.evaluate("n => (l => { l.scale.setWindow(100, 100 + n); l.redraw(); })(window.__studio.timeline)", length)
+    expect(page.locator("#scrub")).to_have_attribute("data-outside", "after")
+    expect(page.get_by_test_id("clock-line")).to_be_hidden()
     page.get_by_test_id("zoom-from").focus()
     page.keyboard.press("ArrowLeft")
     spiral.wait_until(lambda: spiral.scale("s.seconds") > length * 1.05)
@@ -295,6 +354,7 @@ def test_a_kept_run_is_laid_over(lake):
     kept = "window.__studio.timeline.plots.rows[0].plot.series[0].kept"
     page.wait_for_function(f"() => {kept}.length === 1 && {kept}[0].values.length > 100")
     assert page.evaluate(f"() => {kept}[0].values.at(-1)") == pytest.approx(before, abs=1e-6)
+    expect(page.get_by_test_id("plot-row-0").get_by_role("group", name="Kept runs laid under")).to_have_text("Before")
     page.wait_for_function("() => window.__studio.timeline.path.kept.length === 1")
     page.mouse.move(*lake.place(page.get_by_test_id("plot-0"), 19.0))
     expect(page.locator("#tip")).to_contain_text("Before")
@@ -362,6 +422,14 @@ def test_bookmarks_and_the_played_range_are_dragged(lake):
     assert page.evaluate("() => window.__studio.clock.range.to") == pytest.approx(14.0, abs=0.1)
     end.press("ArrowLeft")
     assert page.evaluate("() => window.__studio.clock.range.to") == pytest.approx(13.8, abs=0.11)
+    # an end set under the playing clock stops it; with Loop on it goes round the range
+    page.keyboard.press("u")
+    page.evaluate("() => (c => { c.seek(1); c.setSpeed(5); c.play(); })(window.__studio.clock)")
+    page.wait_for_function("() => window.__studio.clock.t > 3")
+    page.keyboard.press("o")
+    page.wait_for_function("() => !window.__studio.clock.playing")
+    page.keyboard.press("l")
+    assert page.evaluate("() => (c => c.playing && c.t < c.range.to)(window.__studio.clock)")
 
 
 def test_a_locked_cell_keeps_its_schedule(lake):

@@ -203,7 +203,7 @@ def test_a_table_without_rows_is_refused():
 def test_times_of_a_schedule_must_rise():
     (problem,) = problems_of(document(control=schedule("Piston", (1.0, 0.001), (1.0, 0.002))))
     assert problem.pointer == "/mission/control/schedules/0"
-    assert "times must rise: point 1 of 'Piston'" in problem.message
+    assert "times must rise: point 2 of 'Piston'" in problem.message
 
 
 def test_every_problem_is_told_at_once():

@@ -108,7 +108,17 @@ class TestTheTrims:
         loose = replace(first, trim=replace(first.trim, growth=0.1))
         (warned,) = warnings_of(dual_bellows, [loose], None, ())
         assert warned.severity == "bad" and warned.times == ((0.0, 10.0),)
+        assert warned.problem.message.startswith("unstable glide")
         assert f"double in {math.log(2.0) / 0.1:.3g} s" in warned.problem.message
+
+    def test_holds_beyond_the_end_of_the_run_are_neither_trims_nor_warned_of(self, dual_bellows: Design) -> None:
+        design = changed(dual_bellows, mission__duration=5.0)
+        found = consequences_of(assemble(dual_bellows), simulate(design))
+        flown, missed = found.glides
+        assert flown.hold.reached and flown.hold.spans == ((0.0, 5.0),)
+        assert not missed.hold.reached and missed.trim is None and missed.why == "not reached, the run ended at 5 s"
+        assert not any("10 to 20 s" in warned.problem.message for warned in found.warnings)
+        assert [hold["reached"] for hold in consequences_document(found)["holds"]] == [True, False]
 
     def test_wait_for_the_compiler_without_a_warning(self, dual_bellows: Design) -> None:
         found = consequences_of(assemble(dual_bellows), None, analyses=False)

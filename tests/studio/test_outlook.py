@@ -16,11 +16,12 @@ FIELD_OF_VIEW = np.deg2rad(32.0)
 def test_the_box_fills_the_free_part_of_the_picture(size: tuple[float, ...], aspect: float, covered: float) -> None:
     half = np.array(size) / 2.0
     low, high = -half, half * 1.2
-    look_at, position = outlook((low, high), FIELD_OF_VIEW, aspect, covered)
+    corners = np.array(list(product(*zip(low, high, strict=True))))
+    look_at, position = outlook(corners, FIELD_OF_VIEW, aspect, covered)
     forward = (look_at - position) / np.linalg.norm(look_at - position)
     right = np.cross(forward, (0.0, 0.0, -1.0))
     right /= np.linalg.norm(right)
-    rays = np.array(list(product(*zip(low, high, strict=True)))) - position
+    rays = corners - position
     depth, slope = rays @ forward, np.tan(FIELD_OF_VIEW / 2.0)
     x, y = rays @ right / (depth * slope * aspect), rays @ np.cross(right, forward) / (depth * slope)
     # at most a rounding beyond the margin, and no nearer place would do

@@ -63,6 +63,33 @@ def test_a_new_cell_floats_by_itself(kind: str) -> None:
     assert after.net_buoyancy(1000.0, 9.8) == pytest.approx(before.net_buoyancy(1000.0, 9.8), abs=1e-3)
 
 
+@pytest.mark.parametrize("kind", ["bellows", "piston", "bladder", "movable_mass"])
+def test_what_moves_grows_with_the_vehicle_and_still_floats(kind: str) -> None:
+    small, large = load_preset("canete-dual-bellows"), load_preset("slocum-glide")  # 0.6 and 1.5 m long
+    before, after = mass_balance(large.vehicle), mass_balance(with_new(large, kind).vehicle)
+    part, usual = (with_new(design, kind).vehicle.components[-1] for design in (large, small))
+    assert not isinstance(part, Rigid) and not isinstance(usual, Rigid)
+    low, high = part.stroke
+    assert high - low == pytest.approx(2.5 * (usual.stroke[1] - usual.stroke[0]), rel=1e-2)
+    assert part.mass == pytest.approx(2.5**3 * usual.mass, rel=4e-2)  # in the sea it displaces more
+    assert low < part.neutral < high
+    if kind != "movable_mass":
+        assert after.net_buoyancy(1025.0, 9.8) == pytest.approx(before.net_buoyancy(1025.0, 9.8), abs=0.1)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+@pytest.mark.parametrize("kind", ["bellows", "piston", "bladder", "movable_mass"])
+def test_no_vehicle_makes_what_moves_absurd(kind: str, size: float) -> None:
+    document = load_preset("canete-dual-bellows").model_dump(mode="json")
+    for part in document["vehicle"]["components"]:
+        part["shapes"] = []
+        part["position"] = [size * x for x in part["position"]]
+    design = parse_design(document)
+    part = with_new(design, kind).vehicle.components[-1]
+    assert not isinstance(part, Rigid)
+    assert 0.003 < part.stroke[1] - part.stroke[0] < 1.0
+
+
 def test_a_fin_stands_on_the_tail_and_the_sampler_under_the_hull() -> None:
     design = load_preset("quad-bellows-glide")
     fin, shape = new_rigid(design, "fin")

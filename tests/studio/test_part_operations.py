@@ -44,7 +44,7 @@ def test_each_change_answers_what_is_selected_then(browser: httpx.Client) -> Non
         ("parts", {"kind": "sail"}, "/kind", ", ".join(NAMES)),
         ("parts", {}, "/kind", "is missing"),
         ("parts/0/mirror", {"schedule": "other"}, "/schedule", "same, opposite"),
-        ("parts/0/mirror", {"schedule": None}, "/vehicle/components/0/position/1", "plane of symmetry"),
+        ("parts/0/mirror", {"schedule": None}, "/mission/solver/model", "choose the spatial model first"),
         ("parts/9/copy", {}, "/vehicle/components/9", "no such component"),
         ("parts/0/move", {"to": "up"}, "/to", "index"),
         ("parts/0/move", {"to": 9}, "/vehicle/components/9", "no such component"),

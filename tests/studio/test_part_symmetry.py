@@ -9,13 +9,14 @@ import pytest
 from pydantic import TypeAdapter
 
 from models.components import Component, MovableMass, RollingMass
-from models.design import Design
+from models.design import Design, parse_design
 from models.mass_properties import component_center_of_mass, mass_balance
 from models.presets import load_preset, preset_ids
 from models.problems import DesignError
 from server.editing import apply_patch
 from studio.part_patches import mirror, moved
 from studio.part_symmetry import is_its_own_image, mirrored, partners
+from tests.studio.spiral import spiral_document
 
 COMPONENT: TypeAdapter[Component] = TypeAdapter(Component)
 ACROSS = np.array([1.0, -1.0, 1.0])
@@ -135,8 +136,15 @@ def test_what_stands_in_the_plane_has_no_mirror_image() -> None:
     with pytest.raises(DesignError) as refused:
         mirror(design, 1)
     (problem,) = refused.value.problems
-    assert problem.pointer == "/vehicle/components/1/position/1"
-    assert "Front bellows" in problem.message and problem.hint == "give it a position y first"
+    assert problem.pointer == "/mission/solver/model"
+    assert (
+        "Front bellows" in problem.message
+        and problem.hint == "choose the spatial model first, then give it a position y"
+    )
+    with pytest.raises(DesignError, match="stands in the plane of symmetry") as refused:
+        mirror(parse_design(spiral_document()), 2)
+    (problem,) = refused.value.problems
+    assert (problem.pointer, problem.hint) == ("/vehicle/components/2/position/1", "give it a position y first")
 
 
 def test_what_has_a_partner_gets_no_second_one() -> None:

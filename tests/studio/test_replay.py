@@ -53,6 +53,15 @@ def test_the_name_of_a_design_stays_text(flown):
     assert data and json.loads(data[1])["name"] == flown.design.name
 
 
+def test_a_replay_knows_the_colours_of_its_path(flown):
+    data = re.search(r'<script type="application/json" id="replay-data">(.*?)</script>', replay_html(flown))
+    assert data
+    scene = json.loads(data[1])["scene"]
+    assert set(scene) == {"path", "path_colors"}
+    assert scene["path"]["unit"] == "m/s" and scene["path"]["low"] < scene["path"]["high"]
+    assert "studio/pathlegend.js" in modules_of(replay_html(flown))
+
+
 def test_a_replay_tells_nothing_of_the_session(flown):
     assert "origin" not in replay.SHOWN and "id" not in replay.SHOWN
     assert '"origin"' not in replay_html(flown)

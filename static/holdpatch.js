@@ -1,0 +1,29 @@
+// Other extensions for one hold of the schedule, as JSON Patch operations. A pure function.
+
+import { commandAt } from "./schedulecopy.js";
+
+const CLOSE = 1e-6; // s, within which two times are one
+const SAME = 1e-9; // m or rad
+const escaped = (name) => name.replaceAll("~", "~0").replaceAll("/", "~1");
+
+// The points in the hold take the new extension, one is added where it begins; where it ends the old command goes on.
+function heldPoints({ points, initial }, [from, to], extension, duration) {
+  const old = commandAt(points, initial, from + CLOSE);
+  const inside = ({ time }) => time >= from - CLOSE && time < to - CLOSE;
+  const rampFrom = (point, k) => Math.abs(point.time - to) < CLOSE && Math.abs(point.extension - old) < SAME && (point.shape === "ramp" || points[k + 1]?.shape === "ramp");
+  const moved = points.map((point, k) => (inside(point) || rampFrom(point, k) ? { ...point, extension } : point));
+  const near = (t) => points.some(({ time }) => Math.abs(time - t) < CLOSE);
+  const added = near(from) ? [] : [{ time: from, extension, shape: "step" }];
+  if (!near(to) && to < duration - CLOSE) added.push({ time: to, extension: old, shape: "step" });
+  return [...moved, ...added].sort((a, b) => a.time - b.time);
+}
+
+export function holdPatch({ schedules, duration }, span, extensions) {
+  return schedules.filter(({ cell }) => cell in extensions).flatMap((schedule) => {
+    const { cell, index, points, initial } = schedule;
+    const extension = extensions[cell];
+    if (!points.length) return Math.abs(initial - extension) < SAME ? [] : [{ op: "add", path: `/mission/initial/extensions/${escaped(cell)}`, value: extension }];
+    if (Math.abs(commandAt(points, initial, span[0] + CLOSE) - extension) < SAME) return [];
+    return [{ op: "replace", path: `/mission/control/schedules/${index}/points`, value: heldPoints(schedule, span, extension, duration) }];
+  });
+}
