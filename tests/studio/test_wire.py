@@ -99,9 +99,9 @@ def test_nodes_have_the_physics_own_axes(studio: Studio) -> None:
     async def look(browser: RawClient) -> dict[str, dict[str, Any]]:
         found = studio.sessions.find(browser.session_id)
         assert found is not None
+        heard = len(browser.messages)  # a pose is sent where it changed, and only then
         await asyncio.to_thread(found.session.set_field, "/mission/initial/pitch", 0.4)
         await asyncio.to_thread(wait_until, lambda: not found.session.simulating)
-        heard = len(browser.messages)
         await asyncio.to_thread(found.view().set_clock, 0.0)
         await browser.wait_for(lambda m: m["type"] == "SetOrientationMessage" and m["name"] == "/glider", after=heard)
         kinds = ("SetOrientationMessage", "SetPositionMessage")
