@@ -1,6 +1,7 @@
 // The one clock of the page: everything that moves follows it. A range, where one is set, is what is played.
 
-const PATIENCE = 24; // ms
+const PATIENCE = 24; // ms that a frame of the screen may take before a timer ticks in its place
+const BEAT = 1000 / 60; // ms between such ticks
 const SAME = 1e-9; // s
 
 export class Clock {
@@ -16,7 +17,9 @@ export class Clock {
     this.last = 0;
     this.request = 0;
     this.timer = 0;
-    this.frame = this.frame.bind(this);
+    this.patience = PATIENCE;
+    this.painted = () => this.frame(PATIENCE);
+    this.missed = () => this.frame(BEAT);
   }
 
   watch(listener) {
@@ -101,12 +104,13 @@ export class Clock {
     this.schedule();
   }
 
-  // A slow compositor (no graphics hardware) must not slow the clock: after PATIENCE a timer ticks instead.
+  // A slow compositor (no graphics hardware) must not slow the clock: a timer ticks where a frame is missing, and keeps
+  // the beat until frames come again.
   schedule() {
     cancelAnimationFrame(this.request);
     clearTimeout(this.timer);
-    this.request = requestAnimationFrame(this.frame);
-    this.timer = setTimeout(this.frame, PATIENCE);
+    this.request = requestAnimationFrame(this.painted);
+    this.timer = setTimeout(this.missed, this.patience);
   }
 
   pause() {
@@ -119,7 +123,8 @@ export class Clock {
     else this.play();
   }
 
-  frame() {
+  frame(patience) {
+    this.patience = patience;
     if (!this.playing) return;
     // Frames and timers take turns, so their own time stamps will not do. A hidden tab sleeps long.
     const now = performance.now();
