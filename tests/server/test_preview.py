@@ -240,7 +240,8 @@ def test_a_request_that_is_cancelled_stops_its_run():
 
     async def scenario():
         task = asyncio.create_task(Runner().run(Client(60.0), work))
-        await asyncio.sleep(0.05)
+        while not seen:
+            await asyncio.sleep(0.005)
         task.cancel()
         with pytest.raises(asyncio.CancelledError):
             await task
