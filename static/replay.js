@@ -63,11 +63,14 @@ function build(document_, made) {
     el("footer", {}, play, scrub, el("output", { id: "total", class: "time" }), speed, el("small", {}, `Replay made ${made}. Cells' growth is drawn ×${EXAGGERATION}.`)));
 }
 
-// The scene's nodes, once the client has them all; null before.
+// The scene's nodes; null before there are any.
 function sceneTree() {
   const tree = window.__viserSceneTree?.getState?.();
-  return tree && "/glider" in tree && "/world" in tree && window.__viserMutable?.messageQueue.length === 0 ? tree : null;
+  return tree && "/glider" in tree && "/world" in tree ? tree : null;
 }
+
+// The same, once the client has taken in all that it was told.
+const settledTree = () => (window.__viserMutable?.messageQueue.length === 0 ? sceneTree() : null);
 
 class Player {
   constructor(state) {
@@ -92,7 +95,7 @@ class Player {
 
   // Labels that would lie over each other give way to the nearest.
   spreadLabels() {
-    const tree = sceneTree();
+    const tree = settledTree();
     if (!tree) return;
     const shown = labelChoice(window.__viserMutable, tree);
     const changed = Object.entries(tree).filter(([name, node]) => shown(name) !== null && shown(name) !== (node.visibility ?? true));
@@ -140,7 +143,7 @@ export function startReplay(made) {
     clock.setEnd(state.run.columns.t.at(-1));
     clock.watch(({ t }) => player.show(t));
     const waiting = setInterval(() => {
-      const tree = sceneTree();
+      const tree = settledTree();
       if (!tree) return;
       clearInterval(waiting);
       player.chooseVisible(tree);

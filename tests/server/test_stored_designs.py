@@ -328,7 +328,7 @@ def test_components_are_read_added_changed_and_removed(api, one):
         ("POST", "", {"kind": "rigid", "name": "Fuselage"}, "/name", "already"),
         ("POST", "", {"kind": "rigid", "name": "a/b", "mass": 1, "volume": 0, "position": [0, 0, 0]}, "/name", ""),
         ("PATCH", "/Fuselage", {"mass": "x"}, "/mass", ""),
-        ("PATCH", "/Fuselage", {"mas": 1}, "/mas", "spelling"),
+        ("PATCH", "/Fuselage", {"mas": 1}, "/mas", "did you mean mass"),
         ("PATCH", "/Fuselage", {"mass": None}, "/mass", ""),
         ("PATCH", "/Fuselage", [], "", "an object of fields"),
         ("PATCH", "/Front bellows", {"name": "Other"}, "", "is named 'Front bellows'"),
