@@ -9,9 +9,10 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 from pydantic import ValidationError
@@ -169,15 +170,16 @@ def _earlier(jobs: Jobs, document: Any) -> Job | None:
 def _compute(jobs: Jobs, job: Job) -> Job:
     """Work until the job is over or pauses; an interrupt keeps what is done."""
     jobs.manager.engine.check()
-    with progress() as show, _terminated_as_interrupted():
+    with progress() as show, _asked_to_stop() as asked:
         try:
             with _interrupts_come_here():
                 jobs.start()
             while not ((now := jobs.store.get(job.id)).over or now.state == "paused"):
+                if asked():
+                    _tell("stopping, what is being computed is kept; Ctrl-C again leaves at once")
+                    break
                 show(now)
                 time.sleep(LOOK_EVERY)
-        except KeyboardInterrupt:
-            _tell("stopping, what is being computed is kept; Ctrl-C again leaves at once")
         finally:
             jobs.stop()
     return jobs.store.get(job.id)
@@ -194,16 +196,27 @@ def _interrupts_come_here() -> Iterator[None]:
 
 
 @contextmanager
-def _terminated_as_interrupted() -> Iterator[None]:
-    """Take being told to end, as by a queue whose time is up, for Ctrl-C."""
+def _asked_to_stop() -> Iterator[Callable[[], bool]]:
+    """Yield whether Ctrl-C came, or the word to end, as from a queue whose time is up; the next one is an interrupt.
+
+    The first is no exception: one that is raised wherever the program happens to be may be lost there.
+    """
+    heard: list[int] = []
+
+    def hear(number: int, frame: FrameType | None) -> None:
+        if heard:
+            signal.default_int_handler(number, frame)
+        heard.append(number)
+
     if threading.current_thread() is not threading.main_thread():  # only that one may say what a signal does
-        yield
+        yield lambda: False
         return
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    before = {number: signal.signal(number, hear) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield
+        yield lambda: bool(heard)
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _finish(jobs: Jobs, job: Job, options: argparse.Namespace, folder: Path) -> int:

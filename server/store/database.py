@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+import sqlite3
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -28,7 +30,10 @@ from server.store.errors import UnavailableError
 from server.store.migrations import HEAD, NewerSchemaError, upgrade
 
 WRITES = "glider_writes"
-PRAGMAS = ("busy_timeout=10000", "journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON")
+PAUSE = 0.02  # s between tries
+PATIENCE = 10.0
+"""How long a connection waits for other writers, s."""
+PRAGMAS = (f"busy_timeout={1e3 * PATIENCE:.0f}", "synchronous=NORMAL", "foreign_keys=ON")
 POOL: dict[str, Any] = {"pool_size": 10, "max_overflow": 40, "pool_timeout": 10.0}
 """As many connections as the server has worker threads, so that none waits for another's."""
 OURS = (DataError, IntegrityError, InternalError, NotSupportedError, ProgrammingError)
@@ -120,6 +125,20 @@ def _prepare(connection: Any, record: object) -> None:
     connection.isolation_level = None  # the driver would begin transactions late, when it meets the first write
     for pragma in PRAGMAS:
         connection.execute(f"PRAGMA {pragma}").close()
+    _write_ahead(connection)
+
+
+def _write_ahead(connection: Any) -> None:
+    """Have a new file keep a write-ahead log; while others open it too SQLite refuses that without its own patience."""
+    until = time.monotonic() + PATIENCE
+    while True:
+        try:
+            connection.execute("PRAGMA journal_mode=WAL").close()
+            return
+        except sqlite3.OperationalError as error:
+            if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY or time.monotonic() > until:
+                raise
+        time.sleep(PAUSE)
 
 
 def _begin(connection: Connection) -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sqlite3
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 
 import pytest
 from alembic.autogenerate import compare_metadata
@@ -80,6 +82,20 @@ def test_several_may_start_at_once(database_url):
         assert connection.execute(text("SELECT count(*) FROM alembic_version")).scalar() == 1
     for database in databases:
         database.close()
+
+
+def test_a_new_file_that_another_is_writing_to_is_waited_for(tmp_path):
+    path = tmp_path / "studio.sqlite"
+    with closing(sqlite3.connect(path, isolation_level=None, check_same_thread=False)) as other:
+        other.execute("CREATE TABLE notes (line TEXT)")
+        other.execute("BEGIN IMMEDIATE")
+        other.execute("INSERT INTO notes VALUES ('half a line')")
+        with ThreadPoolExecutor(1) as pool:
+            opening = pool.submit(lambda: DesignStore(Database(sqlite_url(path))).find(DesignQuery()))
+            with pytest.raises(TimeoutError):
+                opening.result(0.5)
+            other.execute("COMMIT")
+            assert not opening.result(10).items
 
 
 def test_several_programs_may_start_at_once(database_url):
