@@ -1,15 +1,15 @@
 """From a cell dragged in the scene to the new path and readouts, on the wire: `python -m benchmarks.latency`.
 
-Raw clients speak Viser's wire through the proxy of a studio in a process of its own, hear the event stream and fetch
-the state as the page does: the quad-bellows glider in eight components, 60 s in three dimensions; one designer, then
-eight at once, each in a session of its own. A step of a drag is done when the new path, the state and the consequences
-of that run (trim included) have come. The page itself is measured in headless Chromium that draws in software.
+Raw clients speak Viser's wire through the proxy of a studio in a process of its own, and hear state and consequences
+by the event stream, as the page does: the quad-bellows glider in eight components, 60 s in three dimensions; one
+designer, then eight at once, each in a session of its own. A step of a drag is done when the new path, the state and
+the consequences of that run (trim included) have come. The page itself is measured in headless Chromium that draws in
+software.
 """
 
 from __future__ import annotations
 
 import asyncio
-import json
 import re
 import shutil
 import time
@@ -61,33 +61,28 @@ class Designer:
     page: str
     cookie: str
     http: httpx.AsyncClient
-    revision: int = 0
     states: list[tuple[float, int]] = field(default_factory=list)
     consequences: list[tuple[float, int]] = field(default_factory=list)
     state_bytes: int = 0
     news: asyncio.Event = field(default_factory=asyncio.Event)
 
     async def hear(self) -> None:
-        """Follow the event stream: fetch the state at each change, and take the consequences as they come."""
+        """Follow the event stream: the state at each change, and the consequences as they come."""
         async with self.http.stream("GET", f"{self.page}events", headers={"Cookie": self.cookie}) as answer:
             kind = ""
             async for line in answer.aiter_lines():
                 if line.startswith("event: "):
                     kind = line[7:]
-                elif line.startswith("data: ") and kind == "consequences":
-                    number = int((re.search(r'"run":(\d+)', line) or [0, 0])[1])
-                    self.consequences.append((time.perf_counter(), number))
-                    self.news.set()
-                elif line.startswith("data: ") and json.loads(line[6:])["revision"] >= self.revision:
-                    await self.fetch()
+                elif line.startswith("data: "):
+                    self.take(kind, line[6:])
 
-    async def fetch(self) -> None:
-        """Fetch the state."""
-        answer = await self.http.get(f"{self.page}state", headers={"Cookie": self.cookie})
-        at, content = time.perf_counter(), answer.content
-        self.state_bytes = len(content)
-        number = int((re.search(rb'"run":\{"number":(\d+)', content) or [0, 0])[1])
-        self.states.append((at, number))
+    def take(self, kind: str, data: str) -> None:
+        """Remember when what came."""
+        at, run = time.perf_counter(), r'"run":(\d+)' if kind == "consequences" else r'"run":\{"number":(\d+)'
+        found = re.search(run, data)
+        heard = self.consequences if kind == "consequences" else self.states
+        heard.append((at, int(found[1]) if found else 0))
+        self.state_bytes = len(data) if kind == "state" else self.state_bytes
         self.news.set()
 
     async def first_after(self, heard: list[tuple[float, int]], number: int) -> float:

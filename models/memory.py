@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
+from weakref import WeakKeyDictionary
 
 AboutT = TypeVar("AboutT")
 AnswerT = TypeVar("AnswerT")
@@ -44,3 +45,22 @@ def remembered(
         return answer  # type: ignore[return-value]
 
     return decorate
+
+
+def remembered_for_life(
+    function: Callable[Concatenate[AboutT, More], AnswerT],
+) -> Callable[Concatenate[AboutT, More], AnswerT]:
+    """Remember what a pure function says of an object, which is hashed by its identity, as long as that object lives.
+
+    Further arguments are hashable; callers share an answer and must not change it.
+    """
+    known: WeakKeyDictionary[AboutT, dict[tuple[Hashable, ...], AnswerT]] = WeakKeyDictionary()
+
+    @wraps(function)
+    def answer(about: AboutT, *more: Any) -> AnswerT:
+        answers = known.setdefault(about, {})
+        if more not in answers:
+            answers[more] = function(about, *more)  # type: ignore[call-arg]
+        return answers[more]
+
+    return answer  # type: ignore[return-value]

@@ -89,7 +89,7 @@ def _on_axes(times: Array, cells: Sequence[str], units: Sequence[str], variables
     return xr.Dataset(variables, coordinates)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Run:
     """One simulated glide.
 

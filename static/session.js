@@ -52,12 +52,16 @@ function toldOf(error, again) {
   return again && problem.unreachable ? { ...problem, detail: "The change is kept in this page, and sent once the studio is back." } : problem;
 }
 
-async function refresh(store) {
+function take(store, state) {
+  const keep = store.get("rejected") && store.get("rejectedHere");
+  const consequences = newer(store.get("consequences"), state);
+  store.set({ state, consequences, connected: true, rejected: keep ? store.get("rejected") : null });
+}
+
+// An event stream's refusal has no reason that script can read; the state's has.
+async function askWhy(store) {
   try {
-    const state = await api.getState();
-    const keep = store.get("rejected") && store.get("rejectedHere");
-    const consequences = newer(store.get("consequences"), state);
-    store.set({ state, consequences, connected: true, rejected: keep ? store.get("rejected") : null });
+    take(store, await api.getState());
   } catch (error) {
     const gone = [403, 404].includes(error.problem?.status);
     const rejected = { title: "This session is over", detail: "Go back to the presets and open a saved design file there." };
@@ -66,14 +70,13 @@ async function refresh(store) {
   }
 }
 
-// They also come by the event stream, sooner than a state that holds them: an older state must not bring older ones back.
+// They also come by themselves, sooner than a state that holds them: an older state must not bring older ones back.
 function newer(heard, { consequences, run }) {
   return heard && consequences && heard.run > consequences.run && heard.run <= (run?.number ?? 0) ? heard : consequences;
 }
 
-// Hears of each change and fetches the state: one fetch at a time, and only for the newest revision.
+// Hears the state at once and after each change.
 export function follow(store, actions) {
-  const fetchState = api.latestWins(() => refresh(store));
   let source = null;
   let before = null; // what was selected when the connection was lost: a studio that began anew does not know
   async function recover(selected) {
@@ -83,7 +86,7 @@ export function follow(store, actions) {
   }
   function connect() {
     source = new EventSource("events");
-    source.addEventListener("state", fetchState);
+    source.addEventListener("state", ({ data }) => take(store, JSON.parse(data)));
     source.addEventListener("consequences", ({ data }) => store.set({ consequences: JSON.parse(data) }));
     source.addEventListener("open", () => {
       store.set({ connected: true });
@@ -93,8 +96,7 @@ export function follow(store, actions) {
       before ??= { selected: store.get("state")?.selected };
       store.set({ connected: false });
       if (source.readyState !== EventSource.CLOSED) return;
-      // An event stream's refusal has no reason that script can read; the state's has.
-      await fetchState();
+      await askWhy(store);
       if (!store.get("over")) setTimeout(connect, RETRY);
     });
   }

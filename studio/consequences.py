@@ -21,11 +21,11 @@ from models.mass_properties import mass_balance
 from models.run import Run
 from models.stability import QUANTITIES, Quantity, worst_of
 from models.warm import analyses_are_ready, warm_analyses
-from server.answers import series_json
 from studio.consequence_warnings import Warned, warnings_of
 from studio.curves import rounded
 from studio.held_glides import HeldGlide, glide_document, held_glide
 from studio.holds import Span, holds_of
+from studio.listeners import Listeners
 from studio.polar import source_range
 
 Array = NDArray[np.float64]
@@ -163,7 +163,7 @@ class LiveConsequences:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._listeners: list[Callable[[], None]] = []
+        self._listeners: Listeners[Callable[[], None]] = Listeners()
         self._asked: tuple[Assembly, Run, int] | None = None
         self._waits = False
         self._found: Consequences | None = None
@@ -209,23 +209,9 @@ class LiveConsequences:
                 return  # a newer one is being worked out
             self._found = found
             self._document = {"run": number, "elapsed_ms": elapsed} | document
-            listeners = list(self._listeners)
-        for listener in listeners:
+        for listener in self._listeners:
             listener()
 
     def subscribe(self, listener: Callable[[], None]) -> Callable[[], None]:
         """Have `listener` called after each update, in the thread that worked it out; returns how to stop that."""
-        with self._lock:
-            self._listeners.append(listener)
-
-        def unsubscribe() -> None:
-            with self._lock:
-                if listener in self._listeners:
-                    self._listeners.remove(listener)
-
-        return unsubscribe
-
-
-def as_event(document: Mapping[str, Any] | None) -> str:
-    """Return consequences as a server-sent event, so that a page need not ask for them."""
-    return f"event: consequences\ndata: {series_json(document).decode()}\n\n"
+        return self._listeners.add(listener)

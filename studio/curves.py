@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from models.components import Actuated
 from models.design import Design
+from models.memory import remembered_for_life
 from models.run import Run
 from server.decimation import choose_samples
 from studio.attitude import attitudes
@@ -83,6 +84,7 @@ def made_columns(run: Run) -> dict[str, Array]:
     } | {f"q{i}": column for i, column in enumerate(attitudes(run).T)}
 
 
+@remembered_for_life
 def curve_samples(run: Run, most: int) -> NDArray[np.int64]:
     """Return the samples to draw, rising, at most `most`: the extremes of what is shown, and an even rest.
 

@@ -10,15 +10,14 @@ import hashlib
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import distribution
-from importlib.resources import files
 from pathlib import Path
 
 from fastapi import APIRouter, Request
-from fastapi.responses import FileResponse, Response
+from fastapi.responses import Response
 
 from studio.access import PAGE_HEADERS
+from studio.page_files import file_page
 
-STATIC = Path(str(files("static")))
 HEADERS = PAGE_HEADERS | {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
@@ -49,13 +48,13 @@ def chart_library() -> Library:
 @router.get("/jobs")
 def get_jobs() -> Response:
     """Answer the list of jobs."""
-    return FileResponse(STATIC / "jobs.html", media_type="text/html", headers=HEADERS)
+    return file_page("jobs.html", HEADERS)
 
 
 @router.get("/jobs/{job_id}")
 def get_job(job_id: str) -> Response:
     """Answer the page of a job, whether there is one or not: the page asks the API, and says so."""
-    return FileResponse(STATIC / "job.html", media_type="text/html", headers=HEADERS)
+    return file_page("job.html", HEADERS)
 
 
 @router.get("/vendor/plotly.min.js")

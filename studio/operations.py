@@ -1,10 +1,8 @@
-"""Owns the HTTP of one session: its state, its edits, its files, and the stream that says when it changed."""
+"""Owns the HTTP of one session: its state, its edits, its files, and the stream that tells its changes."""
 
 from __future__ import annotations
 
-import asyncio
 import re
-from collections.abc import AsyncIterator
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, HTTPException
@@ -18,16 +16,12 @@ from server.answers import json_answer
 from server.body import JsonBody, loads
 from server.errors import problem_response
 from studio.access import Admitted, SettingsNow
-from studio.consequences import as_event
+from studio.events import events_of
 from studio.polar import polar_document
 from studio.registry import OpenSession
-from studio.state import state_json
 from studio.view import VIEWS
 
 router = APIRouter(prefix="/s/{session_id}", include_in_schema=False)
-
-KEEP_ALIVE = 15.0
-"""Pause after which the stream sends a comment, s: proxies close silent connections."""
 
 
 def _document(body: JsonBody, settings: SettingsNow) -> Any:
@@ -42,8 +36,7 @@ MOST_COVERED = 0.5  # of the scene's height: more would leave no picture
 @router.get("/state")
 def get_state(opened: Admitted) -> Response:
     """Answer what the page draws."""
-    content = state_json(opened.session, saved_at=opened.saved_at)
-    return Response(content, media_type="application/json", headers={"Cache-Control": "no-store"})
+    return Response(opened.feed.now().content, media_type="application/json", headers={"Cache-Control": "no-store"})
 
 
 @router.get("/polar")
@@ -56,49 +49,9 @@ def get_polar(opened: Admitted) -> Response:
 
 @router.get("/events")
 async def get_events(opened: Admitted) -> Response:
-    """Answer server-sent events: one at once and one after each change."""
+    """Answer server-sent events: the state at once and after each change, the consequences once they are known."""
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    return StreamingResponse(_events(opened), media_type="text/event-stream", headers=headers)
-
-
-async def _events(opened: OpenSession) -> AsyncIterator[str]:
-    loop, changed, news = asyncio.get_running_loop(), asyncio.Event(), set[str]()
-
-    def hear(what: str) -> None:
-        news.add(what)
-        changed.set()
-
-    def tell(what: str) -> None:
-        loop.call_soon_threadsafe(hear, what)
-
-    unsubscribe = opened.session.subscribe(lambda _: tell("state"))
-    live = opened.session.consequences
-    leave = live.subscribe(lambda: tell("consequences"))
-    opened.connections += 1
-    try:
-        yield _event(opened)
-        while not opened.closed:
-            try:
-                await asyncio.wait_for(changed.wait(), KEEP_ALIVE)
-            except TimeoutError:
-                yield ": still here\n\n"
-                continue
-            changed.clear()
-            heard = news.copy()
-            news.clear()
-            if "state" in heard:
-                yield _event(opened)
-            if "consequences" in heard:
-                yield as_event(live.document)
-    finally:
-        opened.connections -= 1
-        opened.touch()
-        unsubscribe()
-        leave()
-
-
-def _event(opened: OpenSession) -> str:
-    return f'event: state\ndata: {{"revision": {opened.session.revision}}}\n\n'
+    return StreamingResponse(events_of(opened), media_type="text/event-stream", headers=headers)
 
 
 @router.post("/edit")

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from models.memory import remembered_for_life
 from models.run import Run
 from studio.palette import PATH_SCALE, rgb
 
@@ -55,6 +56,7 @@ def quantities_of(run: Run) -> list[dict[str, str]]:
     return [{"name": name, "label": label} for name, label in QUANTITIES.items() if name in run.values]
 
 
+@remembered_for_life
 def scale_of(run: Run, name: str | None) -> Scale | None:
     """Return the scale of a quantity along a run; None where the run has none of it.
 

@@ -18,6 +18,7 @@ from studio.autosave import Autosave, SavedSession, is_session_id
 from studio.origin import Origin
 from studio.part_marks import read_marks
 from studio.session import Session
+from studio.state_feed import StateFeed
 from studio.view import View
 
 log = logging.getLogger(__name__)
@@ -40,6 +41,7 @@ class OpenSession:
         self._view: View | None = None
         self._view_lock = threading.Lock()
         session.subscribe(lambda _change: self.save())
+        self.feed = StateFeed(session, lambda: self.saved_at)
 
     def admits(self, secret: str) -> bool:
         """Whether a secret from a cookie belongs to this session."""

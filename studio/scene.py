@@ -13,6 +13,7 @@ import viser
 
 from models.components import Component
 from models.design import Design
+from models.memory import remembered
 from studio.attitude import Quaternion
 from studio.bodies import Body, bodies, drawn_extent, extent
 from studio.meshes import Mesh
@@ -142,6 +143,7 @@ class GliderNodes:
             self._parts[index].place(position, attitude)
 
 
+@remembered(most=16)
 def vehicle_extent(design: Design) -> tuple[float, float]:
     """Return the smallest and largest x at which the vehicle is drawn, m."""
     reach = [(c.position[0], drawn_extent(c)) for c in design.vehicle.components]
@@ -154,6 +156,7 @@ def vehicle_length(design: Design) -> float:
     return max(high - low, 0.05)
 
 
+@remembered(most=16)
 def half_width(design: Design) -> float:
     """Return how far the vehicle reaches to starboard, wings and fins apart, m."""
     reach = [

@@ -23,6 +23,7 @@ from server.editing import apply_patch
 from studio import changes
 from studio.consequences import LiveConsequences
 from studio.kept_runs import KeptRun, KeptRuns
+from studio.listeners import Listeners
 from studio.origin import Origin
 from studio.part_marks import PartMarks
 from studio.runner import Runner
@@ -73,7 +74,7 @@ class Session:
         self._undo: deque[Assembly] = deque(maxlen=HISTORY)
         self._redo: deque[Assembly] = deque(maxlen=HISTORY)
         self._last_merge: tuple[str | None, float] = (None, 0.0)
-        self._subscribers: list[Callable[[Change], None]] = []
+        self._listeners: Listeners[Callable[[Change], None]] = Listeners()
         self.consequences = LiveConsequences()
         self._runner = Runner(
             limits=limits, on_change=lambda: self._tell(Change.document), on_run=self._finish, on_settled=self._settle
@@ -279,15 +280,7 @@ class Session:
 
     def subscribe(self, listener: Callable[[Change], None]) -> Callable[[], None]:
         """Have `listener` called after each change, in the session's own thread; returns how to stop that."""
-        with self._lock:
-            self._subscribers.append(listener)
-
-        def unsubscribe() -> None:
-            with self._lock:
-                if listener in self._subscribers:
-                    self._subscribers.remove(listener)
-
-        return unsubscribe
+        return self._listeners.add(listener)
 
     def close(self) -> None:
         """Stop simulating, tell once more, and stop telling."""
@@ -356,9 +349,7 @@ class Session:
         self.consequences.update(assembly, run, self._run_number)
 
     def _tell(self, change: Change) -> None:
-        with self._lock:
-            listeners = list(self._subscribers)
-        for listener in listeners:
+        for listener in self._listeners:
             try:
                 listener(change)
             except Exception:  # one view's mistake must not leave the others behind

@@ -5,12 +5,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import AsyncIterator
-from importlib.resources import files
-from pathlib import Path
 from urllib.parse import parse_qs
 
 from fastapi import APIRouter, Depends, HTTPException, Request
-from fastapi.responses import FileResponse, RedirectResponse, Response
+from fastapi.responses import RedirectResponse, Response
 from starlette.concurrency import run_in_threadpool
 from starlette.staticfiles import StaticFiles
 
@@ -43,10 +41,10 @@ from studio.access import (
     provide,
     set_session_cookie,
 )
+from studio.page_files import STATIC, file_page
 from studio.registry import Sessions
 from studio.thumbnail import preset_svg
 
-STATIC = Path(str(files("static")))
 REAP_EVERY = 60.0
 pages = APIRouter(include_in_schema=False)
 _static = StaticFiles(directory=STATIC)
@@ -104,7 +102,7 @@ def get_index(request: Request, settings: SettingsNow) -> Response:
         secure = request.url.scheme == "https"
         answer.set_cookie(TOKEN_COOKIE, proof, httponly=True, samesite="lax", secure=secure, max_age=90 * 86_400)
         return answer
-    return FileResponse(STATIC / "index.html", media_type="text/html", headers=PAGE_HEADERS)
+    return file_page("index.html", PAGE_HEADERS)
 
 
 @pages.get("/static/{name}")
@@ -173,4 +171,4 @@ def _design_of_form(body: bytes) -> Design:
 @pages.get("/s/{session_id}/")
 def get_page(opened: Admitted) -> Response:
     """Answer the page of a session."""
-    return FileResponse(STATIC / "studio.html", media_type="text/html", headers=PAGE_HEADERS)
+    return file_page("studio.html", PAGE_HEADERS)

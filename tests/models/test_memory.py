@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
+
 import pytest
 
-from models.memory import remembered
+from models.memory import remembered, remembered_for_life
 
 
 class Thing:
@@ -54,3 +57,25 @@ def test_what_the_key_would_not_hold_is_refused():
     product, _ = asked(10)
     with pytest.raises(TypeError):
         product(Thing(3.0), factor=2.0)
+
+
+class Lasting:
+    """Something that is equal to itself alone, as a run is."""
+
+
+def test_an_answer_lasts_as_long_as_what_it_is_about():
+    questions: list[int] = []
+
+    @remembered_for_life
+    def told(thing: Lasting, number: int) -> list[int]:
+        questions.append(number)
+        return [number]
+
+    thing, other = Lasting(), Lasting()
+    first = told(thing, 1)
+    assert told(thing, 1) is first and told(thing, 2) == [2] and told(other, 1) == [1]
+    assert questions == [1, 2, 1]
+    gone = weakref.ref(thing)
+    del thing
+    gc.collect()
+    assert gone() is None

@@ -25,7 +25,6 @@ from studio.consequence_warnings import warnings_of
 from studio.consequences import (
     Consequences,
     LiveConsequences,
-    as_event,
     consequences_document,
     consequences_of,
     spans_where,
@@ -253,7 +252,9 @@ class TestOnTheWay:
         assert after is not None
         assert after["run"] == session.run_number
         expected = consequences_document(consequences_of(session.assembly, session.run))
-        assert as_event({name: after[name] for name in expected}) == as_event(expected)  # NaN is null there, and itself
+        assert series_json({name: after[name] for name in expected}) == series_json(
+            expected
+        )  # NaN is null there, and itself
         assert after["holds"][0]["trim"]["pitch"] != before["holds"][0]["trim"]["pitch"]
 
     def test_older_ones_do_not_replace_newer_ones(self, session: Session) -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import threading
 from collections.abc import Iterator
 from contextlib import closing
@@ -182,11 +183,15 @@ def test_the_stream_tells_of_each_change(opened: tuple[httpx.Client, str]) -> No
         assert answer.headers["content-type"].startswith("text/event-stream")
         lines = answer.iter_lines()
         assert next(lines) == "event: state"
-        first = next(lines)
+        first = json.loads(next(lines).removeprefix("data: "))
+        assert first["selected"] != 2
         editor = threading.Thread(target=lambda: client.post("select", json={"component": 2}))
         editor.start()
-        assert next(line for line in lines if line.startswith("data:")) == first
+        data = (json.loads(line[6:]) for line in lines if line.startswith("data: "))
+        second = next(sent for sent in data if sent.get("selected") == 2)
         editor.join()
+    asked = client.get("state").json()
+    assert second["run"]["number"] == asked["run"]["number"] and set(second) == set(asked)
 
 
 async def handshake(url: str, **options: object) -> int:

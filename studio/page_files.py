@@ -1,0 +1,51 @@
+"""Owns the pages that are files: each is answered with all modules that its scripts import announced in its head.
+
+A browser that had to read a module before it knows the next would fetch the studio's many in a long row of rounds.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+
+from fastapi.responses import HTMLResponse, Response
+
+STATIC = Path(str(files("static")))
+_SCRIPT = re.compile(r'<script type="module" src="(?P<folder>[^"]*/)(?P<name>[^"/]+)"></script>')
+_IMPORT = re.compile(r'^(?:import|export|\}) .*?"\./(?P<name>[\w.-]+\.js)";', re.MULTILINE)
+
+
+def file_page(name: str, headers: Mapping[str, str]) -> Response:
+    """Return the page in the file static/`name`."""
+    return HTMLResponse(_page(name, _stamps()), headers=dict(headers))
+
+
+def _stamps() -> tuple[tuple[str, int], ...]:
+    """Return what changes whenever a page or one of its modules does."""
+    named = (path for path in STATIC.iterdir() if path.suffix in (".js", ".html"))
+    return tuple((path.name, path.stat().st_mtime_ns) for path in sorted(named))
+
+
+@lru_cache(maxsize=8)
+def _page(name: str, _stamps: tuple[tuple[str, int], ...]) -> str:
+    page = (STATIC / name).read_text(encoding="utf-8")
+    return _SCRIPT.sub(lambda script: _links(script["folder"], script["name"]) + script[0], page)
+
+
+def _links(folder: str, script: str) -> str:
+    return "".join(f'<link rel="modulepreload" href="{folder}{name}">\n  ' for name in imported_by(script))
+
+
+def imported_by(script: str) -> list[str]:
+    """Return the modules that a module in static/ imports, and those that these do, each once, without itself."""
+    found, waiting = [script], [script]
+    while waiting:
+        text = (STATIC / waiting.pop(0)).read_text(encoding="utf-8")
+        fresh = [name for name in _IMPORT.findall(text) if name not in found]
+        fresh = list(dict.fromkeys(fresh))
+        found += fresh
+        waiting += fresh
+    return found[1:]
