@@ -94,7 +94,7 @@ def consequences_of(assembly: Assembly, run: Run | None, *, analyses: bool = Tru
 
 def margins_along(assembly: Assembly, run: Run, samples: int = MARGIN_SAMPLES) -> Margins:
     """Return the static margins at up to `samples` evenly spread instants of a run."""
-    chosen = np.unique(np.linspace(0, len(run.times) - 1, min(samples, len(run.times))).round().astype(np.intp))
+    chosen = np.linspace(0, len(run.times) - 1, min(samples, len(run.times))).round().astype(np.intp)
     thin = run.select(chosen)
     still, flow = hydrostatics(thin), hydrodynamics(thin, assembly)
     series = {

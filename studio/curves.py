@@ -18,7 +18,6 @@ from studio.run_marks import outside_spans, phases_of
 Array = NDArray[np.float64]
 
 MAX_POINTS = {"planar": 800, "spatial": 1200}
-DIGITS = 7
 KEPT = {
     "planar": ("z", "theta", "alpha", "flow_angle", "speed", "net_buoyancy"),
     "spatial": ("z", "phi", "theta", "alpha", "beta", "speed", "net_buoyancy", "turn_rate"),
@@ -99,12 +98,6 @@ def curve_samples(run: Run, most: int) -> NDArray[np.int64]:
     return np.union1d(choose_samples(leading, most - len(even)), even)
 
 
-def rounded(values: Array) -> Array:
-    """Return values at seven significant digits, whose JSON is short."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        exponent = np.floor(np.log10(np.abs(values)))
-    exponent = np.where(np.isfinite(exponent), exponent, 0.0)
-    # dividing by an exact power of ten rounds once, so that the shortest text of the result has few digits
-    scale = 10.0 ** np.clip(DIGITS - 1 - exponent, 0.0, 22.0)
-    shortened: Array = np.round(values * scale) / scale
-    return shortened
+def rounded(values: Array) -> NDArray[np.float32]:
+    """Return values at seven significant digits, whose JSON is short: its numbers are the shortest of these floats."""
+    return values.astype(np.float32)

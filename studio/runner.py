@@ -24,6 +24,10 @@ QUICK = 0.03
 """A run expected to take less, s, is told together with its document: one redraw in place of two."""
 
 
+ONE_AT_A_TIME = threading.Lock()
+"""Held while a run is told, which is all Python: sessions that did so at once would all take as long as all of them."""
+
+
 class Runner:
     """Simulates in a thread of its own. Of the designs submitted while it is busy only the newest is simulated.
 
@@ -132,7 +136,8 @@ class Runner:
         if run.status is Status.cancelled:
             self._on_change()
         else:
-            self._on_run(assembly, run)
-            if self._pending is None or time.monotonic() - self._settled_at > SETTLE_WITHIN:
-                self._on_settled(assembly, run)
-                self._settled_at = time.monotonic()
+            with ONE_AT_A_TIME:
+                self._on_run(assembly, run)
+                if self._pending is None or time.monotonic() - self._settled_at > SETTLE_WITHIN:
+                    self._on_settled(assembly, run)
+                    self._settled_at = time.monotonic()

@@ -57,9 +57,11 @@ class PartNodes:
 
     def place(self, position: Vector, attitude: Quaternion) -> None:
         """Put the component somewhere else in the vehicle: a mass that slid or turned."""
-        if (position, attitude) != self._placed:
-            self._placed = position, attitude
-            self._frame.position, self._frame.wxyz = position, attitude
+        before, self._placed = self._placed or (None, None), (position, attitude)
+        if position != before[0]:
+            self._frame.position = position
+        if attitude != before[1]:
+            self._frame.wxyz = attitude
 
     def remove(self) -> None:
         """Take the component out of the scene."""
