@@ -181,7 +181,7 @@ def _open_page(page: Page, program: Program) -> tuple[float, int]:
     network.on("Network.webSocketFrameReceived", count_frame)
     began = time.perf_counter()
     page.get_by_test_id("open-canete-dual-bellows").click()
-    page.wait_for_url(re.compile(r"/s/[^/]+/"))
+    page.wait_for_url(re.compile(r"/s/[^/]+/"), wait_until="commit")  # what loads after the glider is seen counts not
     view = "document.querySelector('iframe')?.contentWindow?.__viserMutable"
     page.wait_for_function(f"() => Boolean({view}?.nodeRefFromName?.['{NODE}'])", timeout=60_000)
     return time.perf_counter() - began, received

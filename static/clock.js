@@ -17,9 +17,10 @@ export class Clock {
     this.last = 0;
     this.request = 0;
     this.timer = 0;
-    this.patience = PATIENCE;
-    this.painted = () => this.frame(PATIENCE);
-    this.missed = () => this.frame(BEAT);
+    this.due = 0; // when a timer ticks, ms
+    this.paintedAt = -Infinity;
+    this.painted = () => this.frame(this.afterPaint(performance.now()));
+    this.missed = () => this.frame(Math.max(this.due + BEAT, performance.now()));
   }
 
   watch(listener) {
@@ -100,6 +101,7 @@ export class Clock {
     this.playing = true;
     this.ranOut = false;
     this.last = performance.now();
+    this.due = this.last + PATIENCE;
     this.tell();
     this.schedule();
   }
@@ -110,7 +112,14 @@ export class Clock {
     cancelAnimationFrame(this.request);
     clearTimeout(this.timer);
     this.request = requestAnimationFrame(this.painted);
-    this.timer = setTimeout(this.missed, this.patience);
+    this.timer = setTimeout(this.missed, this.due - performance.now());
+  }
+
+  // Where frames come in time the next may be a little late; where they are rare the timers' beat goes on.
+  afterPaint(now) {
+    const inTime = now - this.paintedAt < 2 * BEAT;
+    this.paintedAt = now;
+    return now + (inTime ? PATIENCE : BEAT);
   }
 
   pause() {
@@ -123,8 +132,8 @@ export class Clock {
     else this.play();
   }
 
-  frame(patience) {
-    this.patience = patience;
+  frame(due) {
+    this.due = due;
     if (!this.playing) return;
     // Frames and timers take turns, so their own time stamps will not do. A hidden tab sleeps long.
     const now = performance.now();

@@ -45,10 +45,6 @@ const store = createStore({
 });
 const clock = new Clock();
 
-// On a machine without graphics hardware a coarser 3D picture plays smoothly: ?fixedDpr=0.5
-const dpr = Number(new URLSearchParams(location.search).get("fixedDpr"));
-if (dpr > 0) $("view").src = `view/?fixedDpr=${dpr}`;
-
 const actions = createActions(store);
 
 const viewer = connectScene({

@@ -23,6 +23,7 @@ from server.logs import configure_logging
 from server.settings import Settings, unknown_settings
 from server.stopping import Stopping
 from studio.exit_codes import DONE, UNUSABLE
+from studio.thumbnail import draw_all_presets
 from studio.web import create_studio, running
 
 if TYPE_CHECKING:
@@ -121,6 +122,7 @@ def _prepare_kernel() -> None:
     warm_kernel()
     _settle()
     print("The physics is ready.", flush=True)
+    draw_all_presets()
 
 
 def _settle() -> None:

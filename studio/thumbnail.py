@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from models.design import Design
-from models.presets import load_preset
+from models.presets import load_preset, preset_ids
 from models.run import Run
 from models.simulate import simulate
 from models.warm import kernel_is_ready
@@ -32,6 +32,12 @@ def preset_svg(preset_id: str) -> tuple[str, bool]:
     if not kernel_is_ready():
         return draw(load_preset(preset_id), None), False
     return _complete_svg(preset_id), True
+
+
+def draw_all_presets() -> None:
+    """Have every preset's picture ready before somebody waits for it; the kernel must be."""
+    for preset_id in preset_ids():
+        _complete_svg(preset_id)
 
 
 @lru_cache(maxsize=32)

@@ -10,7 +10,6 @@ from urllib.parse import parse_qs
 from fastapi import APIRouter, Depends, HTTPException, Request
 from fastapi.responses import RedirectResponse, Response
 from starlette.concurrency import run_in_threadpool
-from starlette.staticfiles import StaticFiles
 
 from models.design import Design, parse_design
 from models.presets import load_preset
@@ -41,13 +40,12 @@ from studio.access import (
     provide,
     set_session_cookie,
 )
-from studio.page_files import STATIC, file_page
+from studio.page_files import file_page, static_file
 from studio.registry import Sessions
 from studio.thumbnail import preset_svg
 
 REAP_EVERY = 60.0
 pages = APIRouter(include_in_schema=False)
-_static = StaticFiles(directory=STATIC)
 
 
 def create_studio(
@@ -107,12 +105,11 @@ def get_index(request: Request, settings: SettingsNow) -> Response:
 
 @pages.get("/static/{name}")
 async def get_static(name: str, request: Request) -> Response:
-    """Answer one of the page's files; no folders, no Python."""
-    if not name.endswith((".js", ".css", ".html", ".svg", ".woff2", ".png")):
-        raise HTTPException(404)
-    answer = await _static.get_response(name, request.scope)
-    answer.headers.update({"Cache-Control": "no-cache", "X-Content-Type-Options": "nosniff"})
-    return answer
+    """Answer one of the page's files."""
+    try:
+        return static_file(name, request.headers.get("if-none-match"))
+    except KeyError:
+        raise HTTPException(404) from None
 
 
 @pages.get("/presets/{preset_id}.svg")

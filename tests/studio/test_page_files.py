@@ -68,6 +68,21 @@ def test_what_is_announced_is_there(studio: Studio) -> None:
             assert answer.status_code == 200 and "javascript" in answer.headers["content-type"]
 
 
+def test_a_file_that_is_known_is_not_sent_again(
+    studio: Studio, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a.css").write_text("a {}")
+    monkeypatch.setattr("studio.page_files.STATIC", tmp_path)
+    with studio.client as client:
+        first = client.get("/static/a.css")
+        assert first.text == "a {}" and first.headers["content-type"].startswith("text/css")
+        again = client.get("/static/a.css", headers={"If-None-Match": first.headers["etag"]})
+        assert (again.status_code, again.content) == (304, b"")
+        (tmp_path / "a.css").write_text("b {}")
+        changed = client.get("/static/a.css", headers={"If-None-Match": first.headers["etag"]})
+        assert (changed.status_code, changed.text) == (200, "b {}")
+
+
 def test_a_module_that_changes_changes_what_is_announced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("studio.page_files.STATIC", tmp_path)
     (tmp_path / "index.html").write_text('<script type="module" src="static/a.js"></script>')
