@@ -21,7 +21,7 @@ class StudioPage:
     def open_preset(cls, page: Page, url: str, preset: str) -> StudioPage:
         page.goto(f"{url}/")
         page.get_by_test_id(f"open-{preset}").click()
-        page.wait_for_url(re.compile(r"/s/[^/]+/"))
+        page.wait_for_url(re.compile(r"/s/[^/]+/"), wait_until="commit")
         # a quarter of the pixels: the test machine draws in software
         page.goto(page.url.split("?")[0] + "?fixedDpr=0.25")
         return cls(page)
