@@ -53,6 +53,13 @@ class KnownTokens:
                 found = name
         return found
 
+    def knows(self, token: str) -> bool:
+        """Whether a text is the secret of a token."""
+        given, found = _digest(token), False
+        for _name, secret, _proof in self._known:
+            found |= secrets.compare_digest(given, secret)
+        return found
+
 
 @lru_cache(maxsize=256)
 def _named_in(host: str) -> str | None:

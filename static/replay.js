@@ -4,6 +4,7 @@
 import { Clock } from "./clock.js";
 import { $, el, setText } from "./dom.js";
 import { clockText, degrees, fixed } from "./format.js";
+import { messages } from "./nodemessages.js";
 import { gradientOf, pathLegend } from "./pathlegend.js";
 import { largestForce, positionAt, sceneAt, visibility } from "./scene.js";
 import { labelChoice } from "./scenelabels.js";
@@ -20,13 +21,6 @@ const ARROWS = [
 const HUD = [
   ["time", "Time", ""], ["depth", "Depth", "m"], ["speed", "Speed", "m/s"], ["pitch", "Pitch", "°"], ["roll", "Roll", "°"],
 ];
-
-const messages = {
-  position: (name, position) => ({ type: "SetPositionMessage", name, position, owner: "" }),
-  wxyz: (name, wxyz) => ({ type: "SetOrientationMessage", name, wxyz, owner: "" }),
-  scale: (name, scale) => ({ type: "SceneNodeUpdateMessage", name, updates: { scale }, owner: "" }),
-  visible: (name, visible) => ({ type: "SetSceneNodeVisibilityMessage", name, visible, owner: "" }),
-};
 
 // The numbers of a moment: SI and radians in, what is written on the page out.
 export function numbersAt(run, t, end) {

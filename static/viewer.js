@@ -1,6 +1,7 @@
 // The only module that knows the viewer's client: it pushes messages into the iframe's own queue.
 // The hook is the client's test hook, not a promise: detected anew each time, and without it the server moves the scene.
 
+import { messages } from "./nodemessages.js";
 import { annotated } from "./picture.js";
 import { labelChoice } from "./scenelabels.js";
 import { applySkin } from "./viewerskin.js";
@@ -17,13 +18,6 @@ const differs = (a, b) => {
   if (a === b) return false;
   if (typeof a !== "object" || typeof b !== "object" || !a || !b) return true;
   return a.length !== b.length || [...a].some((v, i) => Math.abs(v - b[i]) > 1e-7);
-};
-
-const messages = {
-  position: (name, position) => ({ type: "SetPositionMessage", name, position, owner: "" }),
-  wxyz: (name, wxyz) => ({ type: "SetOrientationMessage", name, wxyz, owner: "" }),
-  scale: (name, scale) => ({ type: "SceneNodeUpdateMessage", name, updates: { scale }, owner: "" }),
-  visible: (name, visible) => ({ type: "SetSceneNodeVisibilityMessage", name, visible, owner: "" }),
 };
 
 // The state of the client's renderer (react-three-fiber keeps it at the scene), or null where it is kept elsewhere.

@@ -13,7 +13,7 @@ from starlette.concurrency import run_in_threadpool
 
 from models.design import Design, parse_design
 from models.presets import load_preset
-from server.access import TOKEN_COOKIE, is_known_host, is_same_origin, token_proof
+from server.access import TOKEN_COOKIE, KnownTokens, is_known_host, is_same_origin, token_proof
 from server.answers import json_answer
 from server.body import loads
 from server.errors import problem_response
@@ -40,11 +40,15 @@ from studio.access import (
     provide,
     set_session_cookie,
 )
+from studio.open_page import problem_page
 from studio.page_files import file_page, static_file
 from studio.registry import Sessions
 from studio.thumbnail import preset_svg
 
 REAP_EVERY = 60.0
+TOKEN_UNKNOWN = (
+    "Ask whoever runs this studio for its address with your token, and open that: http://…/?token=… as it is."
+)
 pages = APIRouter(include_in_schema=False)
 
 
@@ -95,6 +99,8 @@ def get_index(request: Request, settings: SettingsNow) -> Response:
     """Answer the list of presets; `?token=` lets a browser on another machine in."""
     given = request.query_params.get("token")
     if given is not None and settings.demands_token:
+        if not KnownTokens(settings.tokens).knows(given):
+            return problem_page(request, 401, "This token is not known here", TOKEN_UNKNOWN)
         answer: Response = RedirectResponse("./", 303)
         proof = token_proof(given)
         secure = request.url.scheme == "https"

@@ -17,10 +17,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from server.jobs.task import CRASHED, REFUSED, ColumnInfo
+from server.store.job_records import LONGEST_REASON
 
 FIXED = ("case", "status", "reason")
-LONGEST_REASON = 400
-"""Most letters that are kept of why a case failed."""
 NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 
 

@@ -21,10 +21,11 @@ from models.metrics import Metric, evaluate, metrics_for
 from models.problems import DesignError
 from models.run import Run
 from models.variation import Target, Varied
-from server.jobs.case_table import LONGEST_REASON, CaseRow, write_table
+from server.jobs.case_table import CaseRow, write_table
 from server.jobs.task import CRASHED, FINE, REFUSED, ChunkResult, ChunkTask
 from server.jobs.trajectories import write_trajectories
 from server.jobs.worker import processor
+from server.store.job_records import LONGEST_REASON
 
 log = logging.getLogger(__name__)
 AT_ONCE = 128

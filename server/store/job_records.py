@@ -10,6 +10,8 @@ from server.store.errors import StoreError
 ACTIVE = ("queued", "running", "cancelling")
 OVER = ("cancelled", "succeeded", "partial", "failed")
 STATES = ("queued", "running", "paused", "cancelling", *OVER)
+LONGEST_REASON = 400
+"""Most letters that are kept of why a case failed."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,10 +17,19 @@ from sqlalchemy.exc import IntegrityError
 from models.problems import echo
 from server.store.database import Database
 from server.store.errors import NotFoundError
-from server.store.job_records import ACTIVE, OVER, STATES, Failure, Job, JobStateError, KeyReusedError, NewJob
+from server.store.job_records import (
+    ACTIVE,
+    LONGEST_REASON,
+    OVER,
+    STATES,
+    Failure,
+    Job,
+    JobStateError,
+    KeyReusedError,
+    NewJob,
+)
 from server.store.job_tables import job_chunks, job_failures, jobs
 
-LONGEST_REASON = 400
 MOST_GROUPS = 50
 """Most groups of failures that a record shows."""
 COLUMNS = [jobs.c[field.name] for field in fields(Job)]

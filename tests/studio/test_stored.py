@@ -343,6 +343,8 @@ def test_where_a_token_is_demanded_links_need_it(
         ):  # fmt: skip
             assert answer.status_code == 401
             assert dual_bellows.name not in answer.text
+        wrong = web.get(f"/?token={TOKEN}x")
+        assert (wrong.status_code, dict(wrong.cookies)) == (401, {}) and "This token is not known here" in wrong.text
         web.cookies.set("gs_token", web.get(f"/?token={TOKEN}").cookies["gs_token"])
         assert go(web, f"/d/{stored.id}")
 
