@@ -14,7 +14,7 @@ function heldPoints({ points, initial }, [from, to], extension, duration) {
   const moved = points.map((point, k) => (inside(point) || rampFrom(point, k) ? { ...point, extension } : point));
   const near = (t) => points.some(({ time }) => Math.abs(time - t) < CLOSE);
   const added = near(from) ? [] : [{ time: from, extension, shape: "step" }];
-  if (!near(to) && to < duration - CLOSE) added.push({ time: to, extension: old, shape: "step" });
+  if (!near(to) && to < duration - CLOSE) added.push({ time: to, extension: commandAt(points, initial, to), shape: "step" });
   return [...moved, ...added].sort((a, b) => a.time - b.time);
 }
 

@@ -16,6 +16,23 @@ pytestmark = pytest.mark.browser
 BODY_X = "/vehicle/components/1/position/0"
 
 
+HELD = """async ([points, span, extension, duration]) => {
+  const { holdPatch } = await import("/static/holdpatch.js");
+  const { commandAt } = await import("/static/schedulecopy.js");
+  const schedules = [{ cell: "Cell", index: 3, points, initial: 0.5 }];
+  const [operation, ...more] = holdPatch({ schedules, duration }, span, { Cell: extension });
+  const times = Array.from({ length: 1000 }, (_, i) => ((i + 0.5) * duration) / 1000);
+  const inside = (t) => t > span[0] && t < span[1];
+  const now = (t) => commandAt(operation.value, 0.5, t);
+  return {
+    operation: [operation.op, operation.path, more.length],
+    held: times.filter(inside).every((t) => Math.abs(now(t) - extension) < 1e-12),
+    kept: times.filter((t) => !inside(t)).every((t) => Math.abs(now(t) - commandAt(points, 0.5, t)) < 1e-12),
+    rising: operation.value.every((p, k) => k === 0 || p.time > operation.value[k - 1].time),
+  };
+}"""
+
+
 def settled(studio: StudioPage) -> None:
     """Wait until the consequences shown are those of the newest run, with trims."""
     studio.page.wait_for_function(
@@ -107,6 +124,29 @@ def test_a_glider_without_a_trim_says_why(studio):
     page.get_by_test_id("trim-for-angle").fill("steep")
     page.get_by_test_id("trim-for-find").click()
     expect(page.get_by_test_id("trim-for-answer")).to_contain_text("is a number from")
+
+
+def step(time: float, extension: float) -> dict[str, object]:
+    return {"time": time, "extension": extension, "shape": "step"}
+
+
+@pytest.mark.parametrize(
+    ("points", "span"),
+    [
+        ([step(0.0, 0.1), step(100.0, 0.2), step(200.0, 0.3)], (100.0, 200.0)),
+        ([step(0.0, 0.1), step(100.0, 0.2), step(200.0, 0.3)], (50.0, 150.0)),
+        ([step(0.0, 0.1), step(60.0, 0.2), step(120.0, 0.1)], (30.0, 300.0)),
+        ([step(120.0, 0.1)], (0.0, 120.0)),
+        ([step(10.0, 0.1), step(40.0, 0.1) | {"shape": "ramp"}], (100.0, 250.0)),
+    ],
+    ids=["whole hold", "across holds", "to the end", "before the first point", "after a ramp"],
+)
+def test_a_wanted_glide_holds_in_its_span_alone(program, bare, points, span):
+    bare.goto(program.url)
+    found = bare.evaluate(HELD, [points, span, 0.7, 300.0])
+    assert found == {
+        "operation": ["replace", "/mission/control/schedules/3/points", 0], "held": True, "kept": True, "rising": True,
+    }  # fmt: skip
 
 
 def test_a_mode_moves_the_glider_while_it_plays(studio):
