@@ -188,7 +188,7 @@ class Waypoints(Description):
 
     @model_validator(mode="after")
     def _legs_have_a_length(self) -> Self:
-        for k, (a, b) in enumerate(pairwise(self.points)):
+        for k, (a, b) in enumerate(pairwise(self.points), start=1):
             if math.dist(a, b) == 0.0:
                 raise ValueError(f"points {k} and {k + 1} are the same place: remove one")
         if self.repeat and math.dist(self.points[0], self.points[-1]) == 0.0:
@@ -311,7 +311,7 @@ class StateFeedback(_Sampled):
                 raise ValueError(f"{what} name '{twice}' twice: name it once")
         if self.integrals > states:
             raise ValueError(f"integrals {self.integrals} exceed the {states} states")
-        for k, point in enumerate(self.points):
+        for k, point in enumerate(self.points, start=1):
             shape = (len(point.extensions), len(point.state), len(point.gains), {len(row) for row in point.gains})
             if shape != (cells, states, cells, {states + self.integrals}):
                 raise ValueError(

@@ -1,6 +1,7 @@
 """Owns how a document of a wrong shape is told in plain words: what is wanted, and which name was probably meant.
 
-It says anew what pydantic says of a document; the JSON Schema tells which fields there are at a place.
+It says anew what pydantic says of a document; the JSON Schema tells which fields there are at a place. A value alone,
+such as of a query or a setting, is told with all that its own JSON Schema allows.
 """
 
 from __future__ import annotations
@@ -12,13 +13,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from models.problems import UNION_ERRORS, Problem, echo, problems_from_validation
+from models.problems import BOUNDS, UNION_ERRORS, Problem, echo, problems_from_validation
 from models.suggestions import suggestion
 
 WANTED = {
     "tuple_type": "a list", "list_type": "a list", "dict_type": "an object", "model_type": "an object",
     "model_attributes_type": "an object", "string_type": "text", "bool_type": "true or false",
-    "int_type": "a whole number", "int_from_float": "a whole number", "float_type": "a number",
+    "int_type": "a whole number", "int_from_float": "a whole number", "int_parsing": "a whole number",
+    "float_type": "a number", "float_parsing": "a number", "bool_parsing": "true or false",
     "finite_number": "a finite number", "literal_error": "{expected}", "multiple_of": "a multiple of {multiple_of}",
     "greater_than": "a number above {gt}", "greater_than_equal": "a number of at least {ge}",
     "less_than": "a number below {lt}", "less_than_equal": "a number of at most {le}",
@@ -30,6 +32,10 @@ COUNTS = {
     "too_short": "there must be at least {min_length}, not {actual_length}",
     "too_long": "there may be at most {max_length}, not {actual_length}",
 }
+BOUND_WORDS = {
+    "minimum": "of at least", "exclusiveMinimum": "above", "maximum": "of at most", "exclusiveMaximum": "below",
+}  # fmt: skip
+"""How the bounds of a number in a JSON Schema are told."""
 OBJECTS = ("dict_type", "model_type", "model_attributes_type")
 QUOTED = re.compile(r"'([^']*)'")
 Schema = dict[str, Any]
@@ -53,11 +59,9 @@ def _told(problem: Problem, item: Any, document: Any, schema: Schema) -> Problem
         return replace(problem, message=f"there is no field {echo(path[-1])} here", hint=hint)
     if kind == "missing":
         last = path[-1]
-        entry = isinstance(last, int)
-        return replace(
-            problem, message=f"entry {last} is missing" if entry else f"the field {echo(last)} is missing",
-            hint="add this entry" if entry else problem.hint,
-        )  # fmt: skip
+        if isinstance(last, int):
+            return replace(problem, message=f"entry {last + 1} is missing", hint="add this entry")
+        return replace(problem, message=f"the field {echo(last)} is missing")
     if kind in COUNTS:
         return replace(problem, message=COUNTS[kind].format(**context))
     if kind in UNION_ERRORS:
@@ -138,3 +142,65 @@ def _resolved(node: Schema, whole: Schema, value: Any) -> Iterator[Schema]:
         for name in ("anyOf", "oneOf", "allOf"):
             for part in node.get(name, ()):
                 yield from _resolved(part, whole, value)
+
+
+def value_problem(item: Any, schema: Schema, *, shown: str, otherwise: str | None) -> Problem:
+    """Return what is wrong with one value by itself.
+
+    `item` is pydantic's error, `schema` the value's own JSON Schema, `shown` the value as it may be told, `otherwise`
+    the way out where nothing better is known.
+    """
+    kind, context = item["type"], item.get("ctx", {})
+    limit = next((context[name] for name in BOUNDS if name in context), None)
+    if kind == "value_error":
+        return Problem("", item["msg"].removeprefix("Value error, "))
+    if kind == "string_pattern_mismatch":
+        about = schema.get("description", "").rstrip(".")
+        hint = f"give {about[0].lower()}{about[1:]}" if about else otherwise
+        return Problem("", f"{shown} does not have the form {context['pattern']}", limit, hint)
+    given = item["input"]
+    meant = suggestion(given, map(str, _choices(schema))) if isinstance(given, str) else None
+    return Problem("", f"{values_of(schema)} is wanted, not {shown}", limit, meant or otherwise)
+
+
+def values_of(schema: Schema) -> str:
+    """Return which values a JSON Schema of one value takes, such as "a whole number from 1 to 200"."""
+    kinds = [kind for kind in schema.get("anyOf", ()) if kind.get("type") != "null"]
+    if kinds:
+        return " or ".join(map(values_of, kinds))
+    if choices := _choices(schema):
+        *others, last = map(repr, choices)
+        return f"{', '.join(others)} or {last}" if others else last
+    match schema.get("type"):
+        case "boolean":
+            return "true or false"
+        case "integer":
+            return f"a whole number{_range(schema)}"
+        case "number":
+            return f"a number{_range(schema)}"
+        case "array":
+            return values_of(schema["items"])
+    lengths = {"minimum": schema.get("minLength"), "maximum": schema.get("maxLength")}
+    extent = _range({name: length for name, length in lengths.items() if length is not None})
+    return f"text{extent.replace(' from ', ' of ')} characters" if extent else "text"
+
+
+def _choices(schema: Schema) -> list[Any]:
+    """Return the values that are named one by one."""
+    if "anyOf" in schema:
+        return [choice for part in schema["anyOf"] for choice in _choices(part)]
+    named = [schema["const"]] if "const" in schema else schema.get("enum", [])
+    return list(named) if schema.get("type") != "array" else _choices(schema["items"])
+
+
+def _range(schema: Schema) -> str:
+    """Return the bounds of a number, told after it."""
+    bounds = {name: _number(schema[name]) for name in BOUND_WORDS if name in schema}
+    if "minimum" in bounds and "maximum" in bounds:
+        return f" from {bounds['minimum']} to {bounds['maximum']}"
+    told = " and ".join(f"{BOUND_WORDS[name]} {bound}" for name, bound in bounds.items())
+    return f" {told}" if told else ""
+
+
+def _number(value: float) -> str:
+    return f"{value:.15g}" if isinstance(value, float) else str(value)

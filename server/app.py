@@ -12,13 +12,14 @@ from starlette.datastructures import State
 
 from server.errors import install_error_handlers
 from server.job_events import events_of
+from server.job_figures import JobFigures
 from server.jobs.service import Jobs
 from server.live import LiveSessions
 from server.middleware import install_middleware
 from server.openapi import DocumentedApi
 from server.queries import refuse_unknown_parameters
 from server.quotas import Quotas
-from server.readiness import Readiness
+from server.readiness import Readiness, engine_check
 from server.routes import (
     analyses,
     components,
@@ -133,5 +134,6 @@ def _connect(state: State) -> None:
     state.telemetry.watch("simulations_running", waiting, lambda: state.runner.under_way)
     if state.jobs is not None:
         listening = "Who is told what becomes of jobs."
-        state.readiness.add("engine", state.jobs.manager.engine.check)
+        state.readiness.add("engine", engine_check(state.jobs.manager.engine))
         state.telemetry.watch("job_listeners", listening, lambda: state.job_events.listeners)
+        state.telemetry.registry.register(JobFigures(state.jobs))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from fastapi import Depends, Request
@@ -19,20 +20,25 @@ MOST_PROBLEMS = 20
 
 
 class BodyLimit:
-    """ASGI middleware that answers 413 to a body above `max_bytes`, whether it announces its size or streams."""
+    """ASGI middleware that answers 413 to a body above `max_bytes`, whether it announces its size or streams.
 
-    def __init__(self, app: ASGIApp, max_bytes: int) -> None:
+    `larger` holds what may be larger, by path and media type.
+    """
+
+    def __init__(self, app: ASGIApp, max_bytes: int, *, larger: Mapping[tuple[str, str], int] | None = None) -> None:
         self.app = app
-        self.max_bytes = max_bytes
+        self.max_bytes, self._larger = max_bytes, larger or {}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, its body counted."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        announced = Headers(scope=scope).get("content-length", "")
-        if announced.isdecimal() and int(announced[:20]) > self.max_bytes:
-            await self._refusal()(scope, receive, send)
+        headers = Headers(scope=scope)
+        most = max(self.max_bytes, self._larger.get((scope["path"], media_type(headers)), 0))
+        announced = headers.get("content-length", "")
+        if announced.isdecimal() and int(announced[:20]) > most:
+            await _refusal(most)(scope, receive, send)
             return
         received, started = 0, False
 
@@ -40,8 +46,8 @@ class BodyLimit:
             nonlocal received
             message = await receive()
             received += len(message.get("body", b""))
-            if received > self.max_bytes:
-                raise _TooLargeError(self.max_bytes)
+            if received > most:
+                raise _TooLargeError(most)
             return message
 
         async def watched(message: Message) -> None:
@@ -54,12 +60,17 @@ class BodyLimit:
         except _TooLargeError:
             if started:
                 raise
-            await self._refusal()(scope, receive, send)
+            await _refusal(most)(scope, receive, send)
 
-    def _refusal(self) -> ASGIApp:
-        return problem_response(
-            413, "Content Too Large", detail=_TooLargeError(self.max_bytes).detail, headers={"Connection": "close"}
-        )
+
+def _refusal(most: int) -> ASGIApp:
+    detail = _TooLargeError(most).detail
+    return problem_response(413, "Content Too Large", detail=detail, headers={"Connection": "close"})
+
+
+def media_type(headers: Headers) -> str:
+    """Return the media type of a body, without its parameters."""
+    return headers.get("content-type", "").split(";")[0].strip().lower()
 
 
 class _TooLargeError(HTTPException):
@@ -72,8 +83,7 @@ class _TooLargeError(HTTPException):
 
 async def json_body(request: Request) -> bytes:
     """Return the body of a request that says it is JSON; answers 415 to any other."""
-    given = request.headers.get("content-type", "")
-    kind = given.split(";")[0].strip().lower()
+    given, kind = request.headers.get("content-type", ""), media_type(request.headers)
     if kind != "application/json" and not (kind.startswith("application/") and kind.endswith("+json")):
         raise HTTPException(415, f"the body must be application/json, not {echo(given)}")
     return await request.body()

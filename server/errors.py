@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from http import HTTPStatus
 from typing import Any
 
@@ -16,6 +16,7 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from models.problems import DesignError, Problem, echo, pointer_to
+from server.queries_declared import parameter_problem
 from server.quotas import QuotaError
 from server.store.errors import CursorError, DeletedError, NotFoundError, RevisionError, StoreError, UnavailableError
 from server.store.job_records import JobStateError, KeyReusedError
@@ -69,8 +70,15 @@ def design_problem(error: DesignError) -> Response:
     """Return the answer to a wrong document: 400 where it is not JSON, else 422."""
     if isinstance(error, MalformedJsonError):
         return problem_response(400, "The body is not JSON", detail=error.problems[0].message, errors=error.problems)
-    detail = str(error.problems[0]) if len(error.problems) == 1 else f"{len(error.problems)} errors"
-    return problem_response(422, NOT_DESIGN, detail=detail, errors=error.problems)
+    return problem_response(422, NOT_DESIGN, detail=_detail(error.problems), errors=error.problems)
+
+
+def _detail(problems: Sequence[Problem]) -> str:
+    """Return the one thing that is wrong, or how many there are."""
+    if len(problems) != 1:
+        return f"{len(problems)} errors"
+    # the whole document needs no pointer
+    return str(problems[0]) if problems[0].pointer else str(problems[0]).removeprefix("/: ")
 
 
 def quota_problem(error: QuotaError) -> Response:
@@ -125,13 +133,15 @@ async def _on_store_error(request: Request, error: Exception) -> Response:
 
 async def _on_invalid_request(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    problems = []
-    for item in error.errors():
-        place, *path = item["loc"]
-        where = "" if place == "body" else f"{place} parameter {echo('.'.join(map(str, path)))}: "
-        pointer = pointer_to(*path) if place == "body" else ""
-        problems.append(Problem(pointer, f"{where}{item['msg']}, not {echo(item['input'])}"))
-    return problem_response(422, NOT_REQUEST, errors=problems)
+    problems = [
+        parameter_problem(request, item) if item["loc"][0] != "body" else _body_problem(item) for item in error.errors()
+    ]
+    return problem_response(422, NOT_REQUEST, detail=_detail(problems), errors=problems)
+
+
+def _body_problem(item: Any) -> Problem:
+    """Return what is wrong with a body that FastAPI itself reads."""
+    return Problem(pointer_to(*item["loc"][1:]), f"{item['msg']}, not {echo(item['input'])}")
 
 
 async def _on_request_error(request: Request, error: Exception) -> Response:

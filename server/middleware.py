@@ -8,7 +8,7 @@ from typing import Any
 
 from fastapi import FastAPI
 from starlette.datastructures import Headers
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server import request_context
@@ -19,6 +19,7 @@ from server.quotas import LOCAL, NOBODY, Principal, Quotas
 from server.request_context import RequestContext
 from server.settings import Settings
 from server.stopping import Stopping, StreamEnder, is_event_stream
+from server.store.archive import LARGEST_FILE
 from server.telemetry import Telemetry
 
 EVERYWHERE = ((b"x-content-type-options", b"nosniff"), (b"referrer-policy", b"same-origin"))
@@ -31,6 +32,7 @@ IN_THE_API = (
 )
 """Added where an answer does not say otherwise itself."""
 KEPT_NOWHERE, CHECKED_EACH_TIME = b"no-store", b"private, no-cache"
+IMPORTED = (f"{API}v1/designs:import", "application/zip")
 LEFT = 499
 """Status in the log of a request whose client left before it was answered."""
 UNKNOWN = "(none)"
@@ -44,7 +46,8 @@ def install_middleware(
     app.add_middleware(StreamEnder, stopping=stopping)
     if settings.demands_token:
         app.add_middleware(QuotaGate, quotas=quotas)
-    app.add_middleware(BodyLimit, max_bytes=settings.max_body_bytes)  # what never fits need not be tried again later
+    # what never fits need not be tried again later; what an export gives fits into an import
+    app.add_middleware(BodyLimit, max_bytes=settings.max_body_bytes, larger={IMPORTED: LARGEST_FILE})
     if settings.demands_token:
         app.add_middleware(TokenGate, settings=settings, quotas=quotas)
     if settings.cors_origins:
@@ -74,6 +77,8 @@ class RequestFrame:
         self._telemetry.in_progress.inc()
         try:
             await self.app(scope, receive, answer.send)
+        except ClientDisconnect:
+            pass  # who left while its body was read hears no answer: nothing failed here
         except Exception as error:
             if scope["type"] != "http" or answer.status:
                 raise

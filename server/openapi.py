@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping
 from typing import Any
 
@@ -76,14 +77,19 @@ def _failure(status: int) -> dict[str, Any]:
 class DocumentedApi(FastAPI):
     """A FastAPI application whose OpenAPI document also holds request types, problem documents and examples."""
 
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self._building = threading.Lock()
+
     def openapi(self) -> dict[str, Any]:
-        """Return the OpenAPI document."""
-        document = super().openapi()
-        schemas = document.setdefault("components", {}).setdefault("schemas", {})
-        if "securitySchemes" not in document["components"]:
-            _complete(document, schemas)
-            if self.state.settings.demands_token:
-                document["security"] = [{"token": []}]
+        """Return the OpenAPI document; it is built once, and whoever asks meanwhile waits for it."""
+        with self._building:
+            document = super().openapi()
+            schemas = document.setdefault("components", {}).setdefault("schemas", {})
+            if "securitySchemes" not in document["components"]:
+                _complete(document, schemas)
+                if self.state.settings.demands_token:
+                    document["security"] = [{"token": []}]
         return document
 
 

@@ -12,12 +12,13 @@ LONGEST_EXAMPLE = 3000
 """An example with more letters is left to the OpenAPI document."""
 STYLE = """
 :root { color-scheme: light dark; font: 14px/1.5 system-ui, sans-serif }
-body { max-width: 60rem; margin: 2rem auto; padding: 0 1rem }
+body { max-width: 60rem; margin: 2rem auto; padding: 0 1rem; overflow-wrap: anywhere }
 summary { cursor: pointer; padding: .2rem 0 }
 summary b { display: inline-block; min-width: 4.5rem }
 details > div { margin: .3rem 0 1rem 4.7rem }
 pre { overflow-x: auto; padding: .5rem; border: 1px solid color-mix(in srgb, currentColor 25%, transparent) }
-table { border-collapse: collapse } td { padding: .1rem 1rem .1rem 0; vertical-align: top }
+table { border-collapse: collapse } td { padding: .1rem 1rem .1rem 0; vertical-align: top; overflow-wrap: normal }
+@media (max-width: 40rem) { details > div { margin-left: 0 } td { padding-right: .5rem } }
 """
 Item = tuple[str, str, dict[str, Any]]
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
-
 from fastapi import Request
 
 from models.problems import Problem, echo
 from models.suggestions import suggestion
 from server.errors import RequestError
+from server.queries_declared import declared
 
 MOST_TOLD = 20
 """Most parameters of one request that are looked for among those known."""
@@ -19,7 +17,7 @@ async def refuse_unknown_parameters(request: Request) -> None:
     """Raise `RequestError` where a query names a parameter that its route does not declare: a dependency of routers."""
     if not request.query_params:
         return
-    known = sorted(set(_declared(_dependant_of(request))))
+    known = sorted({field.alias for field in declared(request, "query")})
     unknown = [name for name in request.query_params if name not in known]
     if unknown:
         raise RequestError(_problem(name, known) for name in unknown[:MOST_TOLD])
@@ -29,16 +27,3 @@ def _problem(name: str, known: list[str]) -> Problem:
     there_are = f"known are {', '.join(known)}" if known else "there are none"
     way_out = suggestion(name, known) or "leave it out"
     return Problem("", f"query parameter {echo(name)} is unknown here; {there_are}", hint=way_out)
-
-
-def _dependant_of(request: Request) -> Any:
-    # where routers are nested, the route itself knows only its own part
-    whole: Any = request.scope.get("fastapi", {}).get("effective_route_context")
-    return (whole or request.scope["route"]).dependant
-
-
-def _declared(dependant: Any) -> Iterator[str]:
-    """Yield the query parameters of a route, those of its dependencies too."""
-    yield from (field.alias for field in dependant.query_params)
-    for inner in dependant.dependencies:
-        yield from _declared(inner)

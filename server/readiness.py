@@ -8,6 +8,8 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import Future
 
+from server.jobs.engines import Engine, EngineLostError, UnreachableError
+
 LIMIT = 2.0
 """Longest that a check may take, s."""
 OK = "ok"
@@ -16,6 +18,20 @@ _log = logging.getLogger(__name__)
 
 class NotReadyError(Exception):
     """What a check raises to say, in words that anybody may read, what is missing."""
+
+
+def engine_check(engine: Engine) -> Callable[[], None]:
+    """Return the check of who computes; why workers are missing is told, but no address of a scheduler."""
+
+    def check() -> None:
+        try:
+            engine.check()
+        except UnreachableError:
+            raise
+        except EngineLostError as error:
+            raise NotReadyError(str(error)) from error
+
+    return check
 
 
 class Readiness:

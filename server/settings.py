@@ -10,10 +10,13 @@ from typing import Annotated, Any, Literal, Self
 from urllib.parse import urlsplit
 
 from platformdirs import user_data_dir
-from pydantic import BeforeValidator, Field, SecretStr, model_validator
+from pydantic import BeforeValidator, Field, ModelWrapValidatorHandler, SecretStr, ValidationError, model_validator
+from pydantic_core import InitErrorDetails, PydanticCustomError
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from models.limits import DEFAULT_LIMITS, Limits
+from models.plain_words import value_problem
+from models.problems import echo
 from models.suggestions import suggestion
 from server.quotas import QuotaLimits
 from server.tokens import NamedToken, read_tokens
@@ -67,8 +70,9 @@ class Settings(BaseSettings):
     max_cases: int = Field(default=10_000_000, ge=1, le=2**31 - 1, description="Most cases of a job.")
     min_free_mib: int = Field(default=256, ge=0, description="Jobs pause while less is free where results go, MiB.")
     token: SecretStr | None = Field(
-        default=None, description="Demanded of every request to the API; several as name:token, separated by commas."
-    )
+        default=None, repr=False,
+        description="Demanded of every request to the API; several as name:token, separated by commas.",
+    )  # fmt: skip
     allowed_hosts: Listed = Field(default=(), description="Names under which a proxy serves the program.")
     cors_origins: Listed = Field(default=(), description="Other sites whose scripts may use the API.")
     metrics_open: bool = Field(default=False, description="Whether /metrics is answered without a token.")
@@ -93,6 +97,17 @@ class Settings(BaseSettings):
     preview_steps: int = Field(default=2_000_000, ge=1, description="Most steps of a preview.")
     preview_numbers: int = Field(default=4_000_000, ge=10_000, description="Most numbers in a preview's result.")
     preview_seconds: float = Field(default=1.5, gt=0.0, le=60.0, description="Longest a preview computes, s.")
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _refused_in_plain_words(cls, given: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        try:
+            return handler(given)
+        except ValidationError as error:
+            # the schema is made where it is needed: in a start that fails
+            fields = cls.model_json_schema()["properties"]
+            lines = [_in_plain_words(item, fields) for item in error.errors(include_url=False)]
+            raise ValidationError.from_exception_data(cls.__name__, lines, hide_input=True) from None
 
     @model_validator(mode="after")
     def _other_machines_need_a_token(self) -> Self:
@@ -153,6 +168,20 @@ class Settings(BaseSettings):
             samples=self.max_samples,
             steps=self.max_steps,
         )
+
+
+def _in_plain_words(item: Any, fields: dict[str, Any]) -> InitErrorDetails:
+    """Return one of pydantic's errors, told as a person would; what may be secret is not repeated."""
+    details = InitErrorDetails(type=item["type"], loc=item["loc"], input=item["input"], ctx=item.get("ctx", {}))
+    if not item["loc"] or item["type"] == "value_error":  # in words of our own already
+        return details
+    name = item["loc"][0]
+    info = Settings.model_fields[name]
+    shown = echo(item["input"]) if info.repr else "what is given"
+    otherwise = f"unset it for {echo(info.default)}" if info.default is not None else "unset it"
+    told = value_problem(item, fields[name], shown=shown, otherwise=otherwise)
+    details["type"] = PydanticCustomError(item["type"], "{told}", {"told": f"{told.message}; {told.hint}"})
+    return details
 
 
 def unknown_settings(environment: Iterable[str]) -> Iterator[str]:

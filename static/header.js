@@ -35,14 +35,20 @@ function showOrigin(state) {
   document.title = `${mark}${ofCase ? `${name} · ` : ""}${state.name} · Glider studio`;
 }
 
+// In the header and beside the readouts of now: cut names are whole in the title.
+function showSource({ hydrodynamics: source, hydrodynamics_range: range }) {
+  for (const id of ["hydrodynamics-source", "source-title"]) setText($(id), source ?? "");
+  setText($("hydrodynamics-range"), range ?? "");
+  $("source-title").title = source ?? "";
+  $("hydrodynamics").title = `Forces: ${source}, with data for ${range}. Show the data against the law`;
+}
+
 function show({ state, busy }) {
   if (!state) return;
   setText($("rename"), state.name);
   $("rename").title = `${state.name}. Click to rename`;
   showOrigin(state);
-  setText($("hydrodynamics-source"), state.hydrodynamics ?? "");
-  setText($("hydrodynamics-range"), state.hydrodynamics_range ?? "");
-  $("hydrodynamics").title = `Forces: ${state.hydrodynamics}, with data for ${state.hydrodynamics_range}. Show the data against the law`;
+  showSource(state);
   const [model, ...method] = (state.solver ?? "").split(" · ");
   setText($("solver-model"), model);
   setText($("solver-method"), method.join(" · "));

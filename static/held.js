@@ -16,6 +16,12 @@ export function heldAt(consequences, t) {
   return found;
 }
 
+// Whether a moment lies in a hold that is left out; `found` is the one shown in its place.
+export function isLeftOut(consequences, t, found) {
+  const from = found && found.span[0] <= t + 1e-9 ? found.span[0] : -Infinity;
+  return (consequences?.left_out_spans ?? []).some(([begin, end]) => begin > from && begin <= t + 1e-9 && t <= end + 1e-9);
+}
+
 const digitsOf = (t) => (Number.isInteger(t) ? 0 : 1);
 
 export const spanText = ([from, to], end) => `${clockText(from, end, { unit: false, digits: digitsOf(from) })}–${clockText(to, end, { digits: digitsOf(to) })}`;

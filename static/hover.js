@@ -27,20 +27,28 @@ export class Hover {
     const box = $("rows").getBoundingClientRect();
     const x = event.clientX - box.left - this.left;
     if (x < this.scale.left || x > this.scale.right || event.buttons) return this.leave();
-    const t = this.scale.t(x);
-    const told = this.describe(event.target, t);
+    return this.tell(event.target, this.scale.t(x), { x: event.clientX - box.left, y: event.clientY - box.top }, () => this.move(event));
+  }
+
+  // By keys: at a moment, half-way down what is read.
+  put(target, t) {
+    const [at, box] = [target.getBoundingClientRect(), $("rows").getBoundingClientRect()];
+    this.tell(target, t, { x: this.left + this.scale.x(t), y: (at.top + at.bottom) / 2 - box.top }, () => this.put(target, t));
+  }
+
+  tell(target, t, place, again) {
+    const told = this.describe(target, t);
     if (!told) return this.leave();
-    this.last = event;
+    this.last = again;
     $("hover-line").hidden = false;
-    $("hover-line").style.transform = `translateX(${this.left + x}px)`;
+    $("hover-line").style.transform = `translateX(${this.left + this.scale.x(t)}px)`;
     this.onMove(t);
-    const rows = [["Time", clockText(t, this.scale.end, { digits: 2 })], ...told.rows];
-    return this.show(rows, told.notes, { x: event.clientX - box.left, y: event.clientY - box.top });
+    return this.show([["Time", clockText(t, this.scale.end, { digits: 2 })], ...told.rows], told.notes, place);
   }
 
   // What is told may have changed under a pointer at rest.
   refresh() {
-    if (this.last) this.move(this.last);
+    this.last?.();
   }
 
   leave() {

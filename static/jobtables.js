@@ -4,7 +4,7 @@ import { $, el, setText } from "./dom.js";
 import { fixed } from "./format.js";
 import { scaleOf } from "./units.js";
 
-const MOST_COLOR = 62; // per cent: text stays readable on it
+const MOST_COLOR = 44; // per cent: text stays readable on it
 
 // Orange where they rise together, blue where one falls, as strong as the correlation.
 function shade(cell, value) {

@@ -2,13 +2,13 @@
 //
 //   onKey("Ctrl+Z", actions.undo, { words: "Undo", group: "Design" });
 //   onKey(["ArrowLeft", "Shift+ArrowLeft"], (event) => step(event.shiftKey ? -10 : -1));
-//   describeKey(["←", "→"], "One step back or on", "Playback");  // for keys that an element handles itself
+//   describeKey(["ArrowLeft", "Shift+drag"], "One step back", "Lanes");  // for keys, and clicks, that an element handles itself
 //
 // Ctrl stands for Cmd too. A handler that returns false has not taken the key.
 
 import { $, el } from "./dom.js";
 
-export const GROUPS = ["Playback", "Timeline", "Plots", "Design", "Parts", "View", "Page"]; // in the order of the list
+export const GROUPS = ["Playback", "Time shown", "Lanes", "Events", "Plots", "Design", "Parts", "Scene", "View", "Page"]; // in the order of the list
 
 const described = [];
 const handlers = [];
@@ -116,3 +116,6 @@ function makeDialog() {
 
 document.addEventListener("keydown", pressKey);
 onKey("?", openKeys, { words: "This list", group: "Page" });
+describeKey(["Tab", "Shift+Tab"], "To the next thing on the page, or the one before");
+describeKey(["ArrowUp", "ArrowDown"], "In a menu: another entry");
+describeKey("Escape", "Close a menu or dialog");

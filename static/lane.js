@@ -5,10 +5,10 @@ import { extensionScale, fixed } from "./format.js";
 import { clamp } from "./schedule.js";
 import { commandAt } from "./schedulecopy.js";
 import { at, commandCorners, extent, locate, stretches } from "./series.js";
+import { quantityOf, unitNow } from "./unitchoice.js";
 
 const PAD = 8;
 const SMALLEST_SHARE = 0.2; // of the whole stroke: below that a lane would show noise
-const NEAR_STOP = 0.02; // of the whole stroke
 const DOT = 5.5; // radius of a point in pixels; smaller where many share a lane
 const SMALLEST_DOT = 2.8;
 const TWO_LINES = 30; // pixels: a lower lane has its limits on one line
@@ -20,7 +20,7 @@ const attributes = (node, values) => {
 };
 
 export class Lane {
-  // hooks: onPress(lane, k, event), onKey(lane, k, event), onBand(lane, event), onAdd(lane, event), onSelect, onMenu
+  // hooks: onPress(lane, k, event), onKey(lane, k, event), onBand(lane, event), onAdd(lane, event), onSelect, onMenu, nearStop()
   constructor(scale, hooks) {
     Object.assign(this, { scale, hooks, drafts: new Map(), held: null, circles: [], outstanding: 0, until: 0, height: 38, chosen: new Set() });
     this.buildPlot();
@@ -71,6 +71,12 @@ export class Lane {
 
   get points() {
     return this.schedule.points.map((p, k) => this.drafts.get(k) ?? p);
+  }
+
+  // As in the fields of the parts.
+  get typedUnit() {
+    const unit = this.component?.unit ?? "m";
+    return unitNow(quantityOf(unit, "/mission/control/schedules", "extension"), unit);
   }
 
   startValue() {
@@ -130,11 +136,12 @@ export class Lane {
     if (this.high.textContent.length * WIDEST > room && this.high.getComputedTextLength() > room) attributes(this.high, { textLength: room, lengthAdjust: "spacingAndGlyphs" });
   }
 
-  // Where the cell was within two hundredths of its stroke of a stop.
+  // Where the cell was near a stop, by the server's word for near.
   nearStops() {
     const { extension_min: low, extension_max: high } = this.component ?? {};
-    if (!this.cell || low == null || high == null) return [];
-    const edge = (high - low) * NEAR_STOP;
+    const near = this.hooks.nearStop();
+    if (!this.cell || low == null || high == null || near == null) return [];
+    const edge = (high - low) * near;
     return stretches(this.run.columns.t, this.cell.extension, (e) => e <= low + edge || e >= high - edge);
   }
 

@@ -15,12 +15,29 @@ import { Snap } from "./snap.js";
 const HEIGHTS = [[2, 34], [Infinity, 22]]; // up to how many lanes, how high each is
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const FAST = 10;
-const GROUP = "Timeline";
+const KEYS = [
+  ["Tab", "To a lane's points, one by one"],
+  [["Ctrl+Space", "Shift+Space"], "Add the point to those chosen, or take it away"],
+  [["Ctrl+ArrowLeft", "Ctrl+ArrowRight"], "Add the point before or after to those chosen"],
+  ["Ctrl+A", "Choose all points of the lane; once more: of all lanes"],
+  ["Escape", "Choose none"],
+  [["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"], `Move the chosen points, ×${FAST} with Shift`],
+  [["Enter", "Space"], "Type the point's numbers"],
+  [["Delete", "Backspace"], "Delete the chosen points"],
+  ["r", "Step or ramp"],
+  [["Ctrl+C", "Ctrl+X"], "Copy or cut the chosen points"],
+  ["Ctrl+V", "Paste points at the clock, into the lane last touched"],
+  ["click", "On a point: type its numbers; elsewhere: move the clock there"],
+  [["Shift+click", "Ctrl+click"], "Add the point to those chosen, or take it away"],
+  [["drag", "Shift+drag"], "On a point: move it, or all that are chosen; elsewhere: choose what the sweep goes round (Shift: too)"],
+  ["Alt+drag", "Move without snapping"],
+  ["double click", "Add a point (Alt: without snapping)"],
+];
 
 export class LaneSet {
   // actions: edit(patch, {onRefused}), editLatest(patch), select(component index); onDrop: after a drag, when the axis may follow
   constructor({ scale, clock, actions, onDrop, say }) {
-    Object.assign(this, { scale, clock, actions, onDrop, say, lanes: new Map(), clip: null, active: null, awaited: null, snap: new Snap() });
+    Object.assign(this, { scale, clock, actions, onDrop, say, lanes: new Map(), clip: null, active: null, awaited: null, nearStop: null, snap: new Snap() });
     this.selection = new Selection(() => this.showChosen());
     this.drag = new LaneDrag(this, $("band"));
     this.editor = new PointEditor({
@@ -33,14 +50,7 @@ export class LaneSet {
   }
 
   describeKeys() {
-    describeKey(["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"], `Move the chosen points, ×${FAST} with Shift`, GROUP);
-    describeKey("Enter", "Type a point's numbers", GROUP);
-    describeKey("Delete", "Delete the chosen points", GROUP);
-    describeKey("r", "Step or ramp", GROUP);
-    describeKey("Ctrl+A", "Choose all points of a lane", GROUP);
-    describeKey(["Ctrl+C", "Ctrl+X"], "Copy or cut the chosen points", GROUP);
-    describeKey("Ctrl+V", "Paste points at the clock, into the lane last touched", GROUP);
-    describeKey("Escape", "Choose none", GROUP);
+    for (const [keys, words] of KEYS) describeKey(keys, words, "Lanes");
   }
 
   hooks() {
@@ -55,6 +65,7 @@ export class LaneSet {
         this.drag.startBand(lane, event);
       },
       onAdd: (lane, event) => this.addAt(lane, event),
+      nearStop: () => this.nearStop,
       onSelect: (lane) => this.actions.select(lane.component?.index),
       onMenu: (lane) => {
         this.active = lane;
@@ -138,7 +149,7 @@ export class LaneSet {
   }
 
   open(lane, k) {
-    if (!lane.fixed) this.editor.open({ cell: lane.schedule.cell, k, point: lane.points[k], anchor: lane.circles[k], unit: lane.unit });
+    if (!lane.fixed) this.editor.open({ cell: lane.schedule.cell, k, point: lane.points[k], anchor: lane.circles[k], unit: lane.typedUnit });
   }
 
   seek(t) {
@@ -172,16 +183,27 @@ export class LaneSet {
     this.active = lane;
     const { cell } = lane.schedule;
     const arrow = ARROWS[event.key];
-    if (arrow && !event.ctrlKey && !event.metaKey) {
+    const control = event.ctrlKey || event.metaKey;
+    if (arrow && !control) {
       if (!this.selection.has(cell, k)) this.selection.only(cell, k);
       this.nudge(lane, k, arrow, event.shiftKey ? FAST : 1);
-    } else if (event.key === "Enter" || event.key === " ") this.open(lane, k);
+    } else if (arrow?.[0]) this.extend(lane, k, arrow[0]);
+    else if (event.key === " " && (control || event.shiftKey)) this.selection.toggle(cell, k);
+    else if (event.key === "Enter" || event.key === " ") this.open(lane, k);
     else {
       if (["Delete", "Backspace", "r", "R"].includes(event.key) && !this.selection.has(cell, k)) this.selection.only(cell, k);
       return; // press() has the rest
     }
     event.preventDefault();
     event.stopPropagation();
+  }
+
+  // Onwards from a point to its neighbour in sight, with both chosen.
+  extend(lane, k, by) {
+    const { cell, points } = lane.schedule;
+    const next = points[k + by] && this.scale.shows(lane.points[k + by].time) ? k + by : k;
+    this.selection.add([[cell, [k, next]]]);
+    lane.circles[next].focus();
   }
 
   nudge(lane, k, [along, up], times) {
@@ -206,9 +228,12 @@ export class LaneSet {
     event.stopPropagation();
   }
 
+  // Where all of the lane are chosen already, all of every lane.
   chooseAll(lane = this.active) {
     if (!lane) return false;
-    this.selection.set([[lane.schedule.cell, lane.schedule.points.map((_, k) => k)]]);
+    const { cell, points } = lane.schedule;
+    const lanes = this.selection.of(cell).size === points.length ? this.list : [lane];
+    this.selection.set(lanes.map(({ schedule }) => [schedule.cell, schedule.points.map((_, k) => k)]));
     return true;
   }
 

@@ -2,6 +2,7 @@
 // On a narrow screen the panels take turns instead.
 
 import { $ } from "./dom.js";
+import { describeKey } from "./keys.js";
 
 const KEY = "glider-studio.layout";
 const STEP = 16; // px a key press
@@ -91,6 +92,9 @@ export function connectLayout() {
       event.preventDefault();
     });
   }
+  describeKey(["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "drag"], "On a border between panels: move it", "View");
+  describeKey(["Home", "double click"], "On a border between panels: back to where it was at first", "View");
+  describeKey(["ArrowLeft", "ArrowRight"], "On a narrow screen, on the tabs: another panel", "View");
   addEventListener("resize", say);
   say();
   connectTabs();

@@ -35,7 +35,7 @@ export function connectNumerics({ store, showForces }) {
     try {
       const found = await call("GET", "error-estimate");
       number = run?.number;
-      setText($("error-text"), `Largest differences to the same mission flown with ${found.with}; its energy residual is ${scientific(found.finer_residual)}.`);
+      setText($("error-text"), `Largest differences to the same mission flown with ${found.with}; its energy residual is ${scientific(found.finer_residual)} of the energy exchanged.`);
       $("errors").replaceChildren(...rows(found, found.end));
     } catch (error) {
       $("error-problem").hidden = false;

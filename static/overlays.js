@@ -1,12 +1,18 @@
 // What lies over the 3D view: where to look from, what to show, and how much larger than life.
 
 import { $, el } from "./dom.js";
-import { onKey } from "./keys.js";
+import { describeKey, onKey } from "./keys.js";
 import { connectMenu } from "./menu.js";
 
 const TOGGLES = { "toggle-follow": "follow", "toggle-forces": "forces", "toggle-moments": "moments", "toggle-centers": "centers", "toggle-path": "path" };
 const LATER = 1000; // ms
 const SCALES = { exaggeration: "exaggeration", "offset-scale": "offset" };
+const KEYS = [ // handled by the client of the 3D view, which has them after a click into it
+  ["drag", "A part: along the hull (x), in whole millimetres"], ["Shift+drag", "A part: to port or starboard (y), in three dimensions"],
+  ["Ctrl+drag", "A part: up or down (z)"], ["Alt+drag", "A part: without snapping, with Shift or Ctrl too"],
+  [["W", "A", "S", "D", "Q", "E"], "After a click there: move the camera ahead, left, back, right, down, up"],
+  [["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"], "After a click there: turn the camera; ← and → move the clock, too"],
+];
 
 // How much of the scene, from its top, lies under the buttons.
 function coveredShare() {
@@ -42,6 +48,7 @@ export function connectOverlays({ store, setCamera }) {
     button.title = `${button.title || `From the ${button.dataset.camera}`} (${k + 1})`;
     onKey(String(k + 1), () => look(button.dataset.camera), { words: `Look: ${button.textContent.toLowerCase()}`, group: "View" });
   });
+  for (const [keys, words] of KEYS) describeKey(keys, words, "Scene");
   onKey("f", () => $("toggle-follow").click(), { words: "Follow the glider, or stay", group: "View" });
 
   // A 3D view that lost its connection comes back from the side; the server hears of it a moment after the page.

@@ -198,9 +198,10 @@ function placeUnder(node) {
 }
 
 const KEYS = [
-  [["ArrowUp", "ArrowDown"], "Choose a part"], ["F2", "Rename it"], [["Alt+ArrowUp", "Alt+ArrowDown"], "Move it up or down the list"], ["Ctrl+D", "Duplicate it"],
+  [["ArrowUp", "ArrowDown"], "Choose a part"], [["F2", "double click"], "Rename it"], [["Alt+ArrowUp", "Alt+ArrowDown"], "Move it up or down the list"], ["Ctrl+D", "Duplicate it"],
   ["M", "Mirror it port and starboard"], ["L", "Lock or unlock it"], ["H", "Hide or show it"], ["Delete", "Remove it"], ["A", "Add a part"], ["Enter", "To its fields"],
-  ["F1", "In a field: what it is"], [["ArrowUp", "ArrowDown"], "In a field: step its number (Shift: ten times, Alt: a tenth)"], ["Alt+U", "In a field: the next unit"],
+  ["F1", "In a field: what it is"], [["ArrowUp", "ArrowDown"], "In a field: step its number (Shift: ten times, Alt: a tenth)"], ["Alt+U", "In a field: the next unit"], ["drag", "On a field's name: change its number (Shift: ten times, Alt: a tenth)"],
+  ["Shift+F10", "On a part: its menu"],
 ];
 
 export function connectParts(connected) {

@@ -1,14 +1,22 @@
 // The path through the water at equal scales, from the side or from above, with the glider where the clock is.
 
-import { $, setText } from "./dom.js";
+import { $, el, setText } from "./dom.js";
 import { clockText, fixed } from "./format.js";
 import { columnsOf } from "./keptruns.js";
+import { describeKey } from "./keys.js";
 import { PATH_VIEWS } from "./pathviews.js";
-import { cssColor, line, prepare, sayEmpty } from "./plotcanvas.js";
-import { at, extent, locate } from "./series.js";
-import { niceStep, ticks } from "./timescale.js";
+import { cssColor, hatchPattern, line, prepare, sayEmpty } from "./plotcanvas.js";
+import { focusByKeysOnly, sayPlace } from "./plotcursor.js";
+import { outsideAt, outsideStretches } from "./plotoutside.js";
+import { clamp } from "./schedule.js";
+import { at, extent, locate, within } from "./series.js";
+import { niceStep, ticks, timeStep } from "./timescale.js";
 
 const PAD = { left: 44, right: 14, top: 8, bottom: 36 };
+const BAND = 16; // pixels across the path
+const OUTSIDE = 0.6; // how strong its hatch is
+const APART = 8; // pixels from the tip to what it tells of
+const FAST = 10;
 
 // How many times larger depth is drawn where there is room for `room` times: 1, or 2, 5, 10, ... of a flat path.
 function stretchOf(room) {
@@ -24,11 +32,33 @@ export class PathPlot {
     this.marker = box.querySelector(".glider-marker");
     this.tip = box.querySelector(".tip");
     this.run = null;
-    this.canvas.addEventListener("pointermove", (event) => this.hover(event));
-    this.canvas.addEventListener("pointerleave", () => (this.tip.hidden = true));
+    this.canvas.addEventListener("pointermove", (event) => this.run && this.tell(this.nearest(event)));
     this.canvas.addEventListener("click", (event) => this.run && onSeek(this.nearest(event).t));
+    this.listenToKeys(onSeek);
     for (const radio of document.querySelectorAll("[name=path-view]")) radio.addEventListener("change", () => this.look());
     this.setRun(null);
+  }
+
+  // As a slider along the path, on which the clock moves and tells where it is.
+  listenToKeys(onSeek) {
+    for (const [name, value] of Object.entries({ role: "slider", tabindex: 0, "aria-valuenow": 0 })) this.canvas.setAttribute(name, value);
+    focusByKeysOnly(this.canvas);
+    this.canvas.addEventListener("focus", () => this.showTime(this.t ?? 0));
+    for (const name of ["pointerleave", "blur"]) this.canvas.addEventListener(name, () => (this.tip.hidden = true));
+    this.canvas.addEventListener("keydown", (event) => this.press(event, onSeek));
+    describeKey(["ArrowLeft", "ArrowRight"], `On the path: the clock back or on along it, ×${FAST} with Shift, with the place told`, "Plots");
+    describeKey("click", "On the path: the clock to the place", "Plots");
+  }
+
+  press(event, onSeek) {
+    if (!this.run || event.ctrlKey || event.metaKey || event.altKey) return;
+    const end = this.run.columns.t.at(-1);
+    const by = timeStep(end) * (event.shiftKey ? FAST : 1);
+    const next = { ArrowLeft: this.t - by, ArrowRight: this.t + by, Home: 0, End: end }[event.key];
+    if (next === undefined) return;
+    onSeek(clamp(next, 0, end));
+    event.preventDefault();
+    event.stopPropagation();
   }
 
   setRun(run) {
@@ -99,8 +129,25 @@ export class PathPlot {
     this.marker.toggleAttribute("hidden", !this.run);
     if (!this.run) return;
     context.lineJoin = "round";
+    this.drawOutside(context);
     for (const way of this.kept) this.drawWay(context, { ...way, width: 1.4, dash: [6, 3] });
     this.drawWay(context, { across: this.column("across"), along: this.column("along"), color: cssColor("--depth"), width: 2, dash: [] });
+  }
+
+  // Where samples left the data which the forces come from: a hatched band under the path, as the plots' hatched ground.
+  drawOutside(context) {
+    const { t } = this.run.columns;
+    const [across, along] = [this.column("across"), this.column("along")];
+    context.save();
+    Object.assign(context, { strokeStyle: hatchPattern(context, cssColor("--warn")), lineWidth: BAND, lineCap: "round", globalAlpha: OUTSIDE });
+    for (const [a, b] of outsideStretches(this.run)) {
+      const [first, last] = within(t, a, b);
+      const times = [a, ...t.slice(first, last + 1).filter((time) => time > a && time < b), b];
+      context.beginPath();
+      for (const place of times.map((time) => locate(t, time))) context.lineTo(this.px(at(across, place)), this.pz(at(along, place)));
+      context.stroke();
+    }
+    context.restore();
   }
 
   drawWay(context, { across, along, color, width, dash }) {
@@ -144,8 +191,11 @@ export class PathPlot {
     this.t = t;
     if (!this.run || !this.px) return;
     const place = locate(this.run.columns.t, t);
-    const [x, z] = [this.px(at(this.column("across"), place)), this.pz(at(this.column("along"), place))];
-    this.marker.style.transform = `translate(${x}px, ${z}px) rotate(${this.view.turn(this.run.columns, place)}deg)`;
+    const [x, z] = [at(this.column("across"), place), at(this.column("along"), place)];
+    this.marker.style.transform = `translate(${this.px(x)}px, ${this.pz(z)}px) rotate(${this.view.turn(this.run.columns, place)}deg)`;
+    if (document.activeElement !== this.canvas) return;
+    const text = this.tell({ t, x, z });
+    sayPlace(this.canvas, { low: 0, high: this.run.columns.t.at(-1), now: t, text });
   }
 
   nearest(event) {
@@ -162,13 +212,17 @@ export class PathPlot {
     return { t: t[best], x: across[best], z: along[best] };
   }
 
-  hover(event) {
-    if (!this.run) return;
-    const { t, x, z } = this.nearest(event);
+  // Beside a place: when the glider is there, and what is outside the data then. Returns the words.
+  tell({ t, x, z }) {
+    const place = `${clockText(t, this.run.columns.t.at(-1))} · ${this.view.tip(x, z)}`;
+    const notes = outsideAt(this.run, t).slice(0, 1);
+    this.tip.replaceChildren(place, ...notes.map((words) => el("p", {}, words)));
     this.tip.hidden = false;
-    this.tip.textContent = `${clockText(t, this.run.columns.t.at(-1))} · ${this.view.tip(x, z)}`;
+    this.tip.style.left = "0"; // where it has room for its lines
     const room = this.box.clientWidth - this.tip.offsetWidth - 4;
     this.tip.style.left = `${Math.max(4, Math.min(this.px(x) - this.tip.offsetWidth / 2, room))}px`;
-    this.tip.style.top = `${Math.max(2, this.pz(z) - 34)}px`;
+    const above = this.pz(z) - this.tip.offsetHeight - APART;
+    this.tip.style.top = `${above < 2 && notes.length ? this.pz(z) + APART : Math.max(2, above)}px`;
+    return [place, ...notes].join(" · ");
   }
 }

@@ -1,8 +1,9 @@
 // A value axis of a plot: the curves on it, their unit, the range it shows and how a value becomes a height.
 
+import { fixed } from "./format.js";
 import { extent, extentWithin } from "./series.js";
 import { angleTicks, ticks } from "./timescale.js";
-import { scaleOf } from "./units.js";
+import { scaleOf, withUnit } from "./units.js";
 
 const ROOM = 0.08; // of the range, above and below
 const APART = 12; // pixels between two numbers, at least
@@ -51,6 +52,13 @@ export class PlotAxis {
     const shown = values.filter((v) => Math.round(v / step) % every === 0);
     this.ticks = (shown.length ? shown : values.slice(0, 1)).map((v) => ({ v, y: this.y(v / this.unit.per) }));
     this.digits = digits;
+  }
+
+  // The number of a tick; at the highest one stands the unit.
+  tell(v) {
+    const highest = this.down ? this.ticks[0] : this.ticks.at(-1);
+    const text = fixed(v, this.digits);
+    return v === highest?.v ? withUnit(text, this.symbol) : text;
   }
 }
 

@@ -42,6 +42,20 @@ export function sayEmpty(context, x, y, words = "No glide yet") {
 
 const APART = 8; // pixels between two lines of a hatch
 
+// The same hatch to draw lines with, for what is no rectangle.
+export function hatchPattern(context, color) {
+  const ratio = window.devicePixelRatio || 1;
+  const side = Math.round(APART * ratio);
+  const tile = Object.assign(document.createElement("canvas"), { width: side, height: side });
+  const drawn = tile.getContext("2d");
+  drawn.strokeStyle = color;
+  drawn.lineWidth = 1.5 * ratio;
+  for (const at of [-side, 0, side]) line(drawn, at - side, 2 * side, at + 2 * side, -side); // its neighbours' corners, too
+  const pattern = context.createPattern(tile, "repeat");
+  pattern.setTransform(new DOMMatrix().scale(APART / side));
+  return pattern;
+}
+
 // Slanting lines over a stretch: seen in black and white too.
 export function hatch(context, { x, y, width, height, color }) {
   context.save();

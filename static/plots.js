@@ -1,8 +1,9 @@
 // A plot over time on canvas: drawn once per run, size, window or scheme; what moves is laid over it.
 
-import { NONE, fixed } from "./format.js";
+import { NONE } from "./format.js";
 import { axesOf } from "./plotaxis.js";
 import { cssColor, hatch, line, prepare, sayEmpty } from "./plotcanvas.js";
+import { outsideStretches } from "./plotoutside.js";
 import { locate, within } from "./series.js";
 import { timeTicks } from "./timescale.js";
 
@@ -29,10 +30,10 @@ export class TimePlot {
     const [left, right] = this.axes;
     if (!left) return "";
     const names = left.series.length > 1 && left.symbol === "°" ? "Angles" : left.series.map((s) => s.label).join(" · ");
-    const unit = left.symbol ? ` (${left.symbol})` : "";
-    if (!right) return names + unit;
-    const other = right.series.length === 1 ? right.series[0].label.toLowerCase() : right.symbol || "1";
-    return `${names}${unit}, ${other} at right`;
+    const unit = ({ symbol }) => (symbol ? ` (${symbol})` : "");
+    if (!right) return names + unit(left);
+    const other = right.series.length === 1 ? right.series[0].label.toLowerCase() + unit(right) : right.symbol || "1";
+    return `${names}${unit(left)}, ${other} at right`;
   }
 
   draw() {
@@ -73,7 +74,7 @@ export class TimePlot {
     const [left] = this.run ? this.axes : [];
     for (const { v, y } of left?.ticks ?? []) {
       line(context, scale.left, y, scale.right, y);
-      context.fillText(fixed(v, left.digits), scale.left - 6, Math.min(Math.max(y, TOP + 5), foot - 4));
+      context.fillText(left.tell(v), scale.left - 6, Math.min(Math.max(y, TOP + 5), foot - 4), scale.left - 8);
     }
     for (const t of timeTicks(scale, scale.span / 75).values) line(context, scale.x(t), TOP, scale.x(t), foot);
     this.shadeBeyondEnd(context, inner);
@@ -94,27 +95,12 @@ export class TimePlot {
   drawOutside(context, inner) {
     const color = cssColor("--warn");
     context.globalAlpha = OUTSIDE;
-    for (const [a, b] of this.outsideStretches()) {
+    for (const [a, b] of outsideStretches(this.run)) {
+      if (b < this.scale.from || a > this.scale.to) continue;
       const x = this.scale.x(a);
       hatch(context, { x, y: TOP, width: Math.max(this.scale.x(b) - x, 1), height: inner, color });
     }
     context.globalAlpha = 1;
-  }
-
-  // One hatch where several things are outside at once.
-  outsideStretches() {
-    const spans = (this.run.outside ?? []).flatMap((o) => o.spans).filter(([a, b]) => b >= this.scale.from && a <= this.scale.to).sort((a, b) => a[0] - b[0]);
-    const joined = [];
-    for (const [a, b] of spans) {
-      const last = joined.at(-1);
-      if (last && a <= last[1]) last[1] = Math.max(last[1], b);
-      else joined.push([a, b]);
-    }
-    return joined;
-  }
-
-  outsideAt(t) {
-    return (this.run?.outside ?? []).filter(({ spans }) => spans.some(([a, b]) => t >= a && t <= b));
   }
 
   // The first named lies on top; kept runs below all of the present one.
@@ -165,7 +151,7 @@ export class TimePlot {
     context.textAlign = "right";
     context.textBaseline = "middle";
     for (const { v, y } of axis.ticks) {
-      const text = fixed(v, axis.digits);
+      const text = axis.tell(v);
       const at = Math.min(Math.max(y, TOP + 7), TOP + inner - 7);
       const { width } = context.measureText(text);
       context.fillStyle = cssColor("--plot-bg");

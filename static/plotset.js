@@ -5,6 +5,7 @@ import { colorOf } from "./keptruns.js";
 import { Legend } from "./legend.js";
 import { MOST_PLOTS, emptyPlot, firstPlots, moved, readPlots, writePlots } from "./plotchoice.js";
 import { PlotData } from "./plotdata.js";
+import { focusByKeysOnly } from "./plotcursor.js";
 import { openPicker } from "./plotpicker.js";
 import { TimePlot } from "./plots.js";
 import { seriesOf } from "./plotseries.js";
@@ -12,7 +13,8 @@ import { drawTimeAxis } from "./timeaxis.js";
 
 class PlotRow {
   constructor(scale, { onMenu }) {
-    this.canvas = el("canvas", { role: "img" });
+    this.canvas = el("canvas", { role: "slider", tabindex: 0, "aria-valuenow": 0 });
+    focusByKeysOnly(this.canvas);
     this.menu = el("button", { type: "button", class: "plot-menu", "aria-haspopup": "dialog", onclick: () => onMenu(this) }, "⋯");
     const label = el("div", { class: "label" });
     this.legend = new Legend(label, this.menu);

@@ -3,6 +3,8 @@
 import { el, setText } from "./dom.js";
 import { refusalBox, showRefusal } from "./refusal.js";
 
+const FIGURES = 9; // of an extension: a micrometre in metres, and no tail of a conversion
+
 function field(label, unit, input) {
   return el("label", { class: "field" }, el("span", {}, label), input, typeof unit === "string" ? el("u", {}, unit) : unit);
 }
@@ -51,7 +53,7 @@ export class PointEditor {
     this.anchor = anchor;
     this.title.textContent = `${cell}, point ${k + 1}`;
     this.time.value = String(Number(point.time.toFixed(4)));
-    this.extension.value = String(Number((point.extension * this.per).toFixed(4)));
+    this.extension.value = String(Number((point.extension * this.per).toPrecision(FIGURES)));
     this.shape.value = point.shape === "ramp" ? "ramp" : "step";
     this.root.hidden = false;
     this.place(anchor.getBoundingClientRect());

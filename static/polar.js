@@ -4,6 +4,7 @@ import { getPolar } from "./api.js";
 import { $, el, setText } from "./dom.js";
 import { NONE, clockText, fixed, scientific, toDegrees } from "./format.js";
 import { prepare } from "./plotcanvas.js";
+import { describePolarKeys, readByKeys } from "./polarkeys.js";
 import { PolarPlot, drawDot, drawMarker, drawTrim, lawAt, mirrored } from "./polarplot.js";
 import { angleAt, locate } from "./series.js";
 import { GlidePolarView } from "./glidepolar.js";
@@ -73,6 +74,13 @@ export function connectPolar({ store, clock }) {
     return run ? toDegrees(angleAt(run.columns.alpha, locate(run.columns.t, clock.t))) : null;
   }
 
+  const told = ({ quantity }, degrees) => `${short(lawAt(shown.law, quantity, degrees))} at ${fixed(degrees, 1)}°`;
+
+  function readAt(degrees) {
+    pointed = degrees;
+    showAngle();
+  }
+
   function showAngle() {
     if (!dialog.open || !shown) return;
     const angle = angleNow();
@@ -80,7 +88,8 @@ export function connectPolar({ store, clock }) {
     for (const plot of plots) {
       plot.showAngle(angle);
       const { quantity } = plot;
-      setText($(`polar-${quantity}-value`), read === null ? "" : `${short(lawAt(shown.law, quantity, read))} at ${fixed(read, 1)}°`);
+      plot.showRead(pointed);
+      setText($(`polar-${quantity}-value`), read === null ? "" : told(plot, read));
     }
     const folded = angle !== null && !whole() && mirrored(angle, shown) !== angle;
     setText($("polar-now"), angle === null ? "No glide yet"
@@ -166,15 +175,11 @@ export function connectPolar({ store, clock }) {
   });
   for (const radio of dialog.querySelectorAll("[name=polar-range]")) radio.addEventListener("change", draw);
   for (const plot of plots) {
-    plot.canvas.addEventListener("pointermove", (event) => {
-      pointed = plot.angleUnder(event);
-      showAngle();
-    });
-    plot.canvas.addEventListener("pointerleave", () => {
-      pointed = null;
-      showAngle();
-    });
+    plot.canvas.addEventListener("pointermove", (event) => readAt(plot.angleUnder(event)));
+    plot.canvas.addEventListener("pointerleave", () => readAt(null));
+    readByKeys(plot, { start: () => pointed ?? angleNow() ?? 0, onRead: readAt, told });
   }
+  describePolarKeys();
   new ResizeObserver(draw).observe(dialog);
   onScheme(() => dialog.open && shown && fill());
   store.watch(["state"], load);

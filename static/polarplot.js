@@ -1,5 +1,6 @@
 // One plot of the force dialog: the data of every speed, the data chosen and the law, over the angle of attack.
 
+import { el } from "./dom.js";
 import { fixed } from "./format.js";
 import { cssColor, line, prepare } from "./plotcanvas.js";
 import { extent } from "./series.js";
@@ -74,6 +75,8 @@ export class PolarPlot {
     this.quantity = quantity;
     this.canvas = box.querySelector("canvas");
     this.mark = box.querySelector(".polar-mark");
+    this.reading = el("div", { class: "polar-mark reading", hidden: true });
+    box.append(this.reading);
     this.trims = []; // steady glides: their angles of attack, in degrees
   }
 
@@ -171,6 +174,12 @@ export class PolarPlot {
     const box = this.canvas.getBoundingClientRect();
     const share = (event.clientX - box.left - PAD.left) / this.inner[0];
     return share < -0.02 || share > 1.02 ? null : this.low + Math.min(Math.max(share, 0), 1) * (this.high - this.low);
+  }
+
+  // A thin line where values are read instead.
+  showRead(degrees) {
+    this.reading.hidden = degrees === null || !this.x;
+    if (!this.reading.hidden) this.reading.style.transform = `translateX(${this.x(degrees)}px)`;
   }
 
   // The vertical line at an angle of attack, in degrees; null where there is none.

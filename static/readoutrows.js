@@ -18,12 +18,14 @@ export const energy = (v, per = "") => (Math.abs(v) >= 1e4 ? [fixed(v / 1e3, 2),
 export const radius = (v) => (Math.abs(v) > FARTHEST ? ["straight", ""] : [fixed(v, 2), "m"]);
 
 // Joules mean little on their own: the residual counts against the energy that went back and forth.
-function relativeResidual({ run }) {
+function residual({ run }) {
   if (!run) return undefined;
   return run.energy_exchanged > 0 ? run.energy_residual / run.energy_exchanged : run.energy_residual;
 }
+// Where none did there is no share to tell.
+const residualUnit = ({ run }) => (run && !(run.energy_exchanged > 0) ? "J" : undefined);
 
-// [id, label, unit, how to write it (a text, or a text and its unit), where it comes from, only for this model]
+// [id, label, unit, how to write it (a text, or a text and its unit), where it comes from, only for this model, more]
 export const NOW = [
   ["pitch", "Pitch", "°", degrees, now("theta", angleAt)],
   ["roll", "Roll", "°", degrees, now("phi", angleAt), "spatial"],
@@ -55,7 +57,7 @@ export const END = [
 ];
 
 export const NUMERICS = [
-  ["energy-residual", "Energy residual", "rel.", scientific, relativeResidual],
+  ["energy-residual", "Energy residual", "rel.", scientific, residual, undefined, { unitOf: residualUnit }],
   ["elapsed", "Computed in", "ms", (v) => fixed(v, 1), ({ run }) => run?.elapsed_ms],
 ];
 
@@ -79,6 +81,6 @@ export const TITLES = {
   "end-time": "How long the run lasted",
   "end-travelled": "Length of the horizontal track over ground",
   "end-heading": "Change of heading since the start, full turns counted",
-  "energy-residual": "Left over in the energy balance at the end, as a share of the energy exchanged during the glide",
+  "energy-residual": "The most that was left over in the energy balance, as a share of the energy exchanged during the glide; in J where none was exchanged",
   elapsed: "Time the last run took on the server",
 };

@@ -5,13 +5,13 @@ import { BALANCE, ENERGY, MARGINS, TRIM, withinSource } from "./consequencerows.
 import { $, el, setText } from "./dom.js";
 import { clockText, degrees, fixed } from "./format.js";
 import { connectGroups } from "./groups.js";
-import { heldAt, spansText } from "./held.js";
+import { heldAt, isLeftOut, spansText } from "./held.js";
 import { showReach } from "./reach.js";
 import { END, NOW, NUMERICS, TITLES } from "./readoutrows.js";
 import { fillTable, write, writeChange, writeNote } from "./readouttable.js";
 import { at, locate } from "./series.js";
 
-const withTitles = (rows) => rows.map(([id, label, unit, show, read, model]) => [id, label, unit, show, read, TITLES[id], { model }]);
+const withTitles = (rows) => rows.map(([id, label, unit, show, read, model, more]) => [id, label, unit, show, read, TITLES[id], { model, ...more }]);
 
 // Why there is no trim, and what the glider does instead.
 function noTrim({ hold }) {
@@ -69,7 +69,7 @@ class Readouts {
     if (!state) return;
     $("pane-readouts").classList.toggle("dense", this.model === "spatial");
     for (const item of [...this.now, ...this.ofState, ...this.held]) item.root.hidden = Boolean(item.model) && item.model !== this.model;
-    for (const item of this.ofState) write(item, item.read(state), { flash: this.number > 0 && item.id !== "elapsed" });
+    for (const item of this.ofState) write(item, item.read(state), { flash: this.number > 0 && item.id !== "elapsed", own: item.unitOf?.(state) });
     setText($("end-message"), state.run?.message ?? "");
     setText($("energy-message"), this.model === "planar" ? "The planar model keeps no account of the battery; the spatial one does." : "");
     this.showClock();
@@ -133,6 +133,7 @@ class Readouts {
     const [about, left] = [found?.hold.about, consequences.left_out];
     const unreached = consequences.holds.filter(({ reached }) => !reached);
     setText($("held-message"), [
+      found && isLeftOut(consequences, this.clock.t, found) ? `What is held now is shorter than the holds told: shown is the one held ${spansText([found.span], end)}.` : "",
       about ? "Cells as they mostly are in this phase." : "",
       trim && others ? `${others} other steady motion${others > 1 ? "s" : ""} at these extensions, ${found.hold.stable_others || "none"} of them stable.` : "",
       unreached.length ? `The run ended before what is held ${unreached.map(({ spans }) => spansText(spans, end)).join(", ")}: not reached.` : "",

@@ -21,12 +21,13 @@ export function fillTable(table, rows, { onTime = null } = {}) {
 
 const isKnown = (value) => value != null && (Number.isFinite(value) || value === Infinity);
 
-export function write(item, value, { flash = false } = {}) {
+// `own` is a unit that this value alone has.
+export function write(item, value, { flash = false, own } = {}) {
   const known = isKnown(value) && (item.endless || Number.isFinite(value));
   const [text, unit] = [known ? item.show(value) : NONE].flat();
   const changed = item.node.textContent !== text;
   setText(item.node, text);
-  setText(item.unitNode, unit ?? item.unit);
+  setText(item.unitNode, unit ?? own ?? item.unit);
   // The plain SI number beside the rounded text, for scripts that read the page.
   if (known) item.node.dataset.value = String(value);
   else delete item.node.dataset.value;

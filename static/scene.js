@@ -174,7 +174,7 @@ export function bedInSight(state, t) {
 
 // Whether a node of this name is shown, or null where the page has no say.
 export function visibility(name, { forces, moments = false, centers, path, spatial, camera, bed, ghost = null }) {
-  if (name === "/world/bed") return bed;
+  if (name === "/world/bed") return bed || camera === "overview"; // from afar it is seen how far down it is
   if (name === "/glider/beacon") return camera === "overview";
   // From afar the labels beside the path would hide it.
   if (name === "/world/rungs" || name === "/world/surface_grid") return camera !== "overview";

@@ -2,7 +2,7 @@
 
 import { showInScene } from "./api.js";
 import { $, el, setText } from "./dom.js";
-import { NONE, fixed } from "./format.js";
+import { fixed } from "./format.js";
 import { gradientOf, pathLegend } from "./pathlegend.js";
 import { centerOffset } from "./scene.js";
 import { at, extent, locate } from "./series.js";
@@ -54,7 +54,7 @@ function showColors(scene, shown) {
   $("path-bar").style.background = gradientOf(colors);
   setText($("path-low"), low);
   setText($("path-high"), high);
-  setText($("path-unit"), unit || (path.unit === "1" ? "" : NONE));
+  setText($("path-unit"), unit);
 }
 
 function remembered() {

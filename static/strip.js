@@ -2,11 +2,17 @@
 
 import { $, el, svg } from "./dom.js";
 import { clockText } from "./format.js";
+import { describeKey } from "./keys.js";
 import { bars, eventsOf, grouped, tracksOf } from "./stripmarks.js";
 
 const TRACKS = { vertical: "Phase", lateral: "Way" };
 const MOST_WARNINGS = 3; // lines; more share the last
 const SLOP = 3;
+const KEYS = [
+  [["Enter", "Space", "click"], "On a mark, bookmark or phase: the clock goes there; on a warning: to it in the list"],
+  [["ArrowLeft", "ArrowRight", "drag"], "On a bookmark: move it"],
+  ["click", "Beside them: the clock goes there"],
+];
 const ICONS = {
   surface: "M1.5 6c1.5-2 3-2 4.5 0s3 2 4.5 0M6 11V8.2",
   bed: "M1.5 9.5h9M3 9.5 1.5 11M6 9.5 4.5 11M9 9.5 7.5 11M6 2v5",
@@ -24,6 +30,7 @@ export class Strip {
   // onWarning(warning) shows it in the list; onBookmarks(list) keeps them; note(node, lines) tells words beside a mark
   constructor({ store, clock, scale, note, onWarning, onBookmarks }) {
     Object.assign(this, { store, clock, scale, note, onWarning, onBookmarks, root: $("strip") });
+    for (const [keys, words] of KEYS) describeKey(keys, words, "Events");
     store.watch(["bookmarks", "warnings"], () => this.draw());
     store.watch(["focusedWarning"], () => this.markFocused());
   }

@@ -4,6 +4,8 @@ import { $, el, setText } from "./dom.js";
 import { Hover } from "./hover.js";
 import { LaneSet } from "./lanes.js";
 import { PathPlot } from "./pathplot.js";
+import { PlotCursor } from "./plotcursor.js";
+import { outsideAt } from "./plotoutside.js";
 import { PlotSet } from "./plotset.js";
 import { RangeBar } from "./rangebar.js";
 import { EXTENSION_STEPS, TIME_STEPS } from "./snap.js";
@@ -24,6 +26,7 @@ export class Timeline {
     this.lanes = new LaneSet({ scale, clock, actions, onDrop: () => this.fitAxis() && this.draw(), say: (words) => this.say(words) });
     this.plots = new PlotSet({ scale, clock, onRows: () => this.layout() });
     this.hover = new Hover({ scale, describe: (target, t) => this.describe(target, t), onMove: (t) => this.plots.showCursor(t) });
+    this.cursor = new PlotCursor({ scale, clock, hover: this.hover, plotOf: (canvas) => this.plots.plotOf(canvas) });
     this.strip = new Strip({ store, clock, scale, note: (node, lines) => this.hover.note(node, lines), onWarning: focusWarning, onBookmarks: (bookmarks) => store.set({ bookmarks }) });
     this.zoom = new TimeZoom({ scale, clock, onChange: redraw });
     this.range = new RangeBar({ scale, clock });
@@ -31,6 +34,7 @@ export class Timeline {
     this.connectSnap();
     this.listen();
     store.watch(["state"], ({ state }) => state && this.update(state));
+    store.watch(["consequences"], ({ consequences }) => this.hatch(consequences?.near_stop));
     clock.watch(() => this.showTime());
   }
 
@@ -96,6 +100,13 @@ export class Timeline {
     this.draw();
   }
 
+  // The server says which share of its stroke from a stop a cell is near it.
+  hatch(near) {
+    if (near === undefined || near === this.lanes.nearStop) return;
+    this.lanes.nearStop = near;
+    this.redraw();
+  }
+
   // Zooming asks more often than a screen shows.
   redraw() {
     if (this.asked) return;
@@ -143,7 +154,7 @@ export class Timeline {
     const lane = this.lanes.list.find((each) => each.svg.contains(target));
     if (lane) return { rows: lane.describe(t), notes: this.notesAt(t) };
     const plot = this.plots.plotOf(target);
-    return plot && { rows: plot.table(t), notes: [...this.notesAt(t), ...plot.outsideAt(t).slice(0, 2).map(({ what }) => what)] };
+    return plot && { rows: plot.table(t), notes: [...this.notesAt(t), ...outsideAt(plot.run, t).slice(0, 2)] };
   }
 
   notesAt(t) {

@@ -2,12 +2,20 @@
 
 import { $, el } from "./dom.js";
 import { clockText } from "./format.js";
-import { onKey } from "./keys.js";
+import { describeKey, onKey } from "./keys.js";
 
 const STEP = 1.5; // one press of a key
 const PER_WHEEL = 0.0022; // of the logarithm, a pixel of the wheel
 const NUDGE = 0.1; // of the window, an arrow key
-const GROUP = "Timeline";
+const GROUP = "Time shown";
+const KEYS = [
+  [["ArrowLeft", "ArrowRight"], "On an end of the time shown, or of the played range: move it"],
+  ["wheel", "Over the ruler: look closer or from farther"],
+  ["Ctrl+wheel", "The same over lanes and plots"],
+  ["Shift+wheel", "Earlier or later, when looking closer"],
+  ["drag", "On the bar over the ruler, or its ends: move them"],
+  ["double click", "On the bar, the ruler or a plot: show the whole time"],
+];
 
 export class TimeZoom {
   // `onChange` is called after each change of the window.
@@ -20,6 +28,7 @@ export class TimeZoom {
     onKey("+", () => this.by(STEP), { words: "Look closer at the clock", group: GROUP });
     onKey("-", () => this.by(1 / STEP), { words: "Look from farther", group: GROUP });
     onKey("0", () => this.reset(), { words: "Show the whole time", group: GROUP });
+    for (const [keys, words] of KEYS) describeKey(keys, words, GROUP);
   }
 
   listen() {

@@ -130,7 +130,7 @@ export class Viewer {
   showByServer(t) {
     const now = performance.now();
     clearTimeout(this.lastTimer);
-    if (!this.online) return;
+    if (!this.online || this.iframe.hidden) return; // hidden: this browser draws nothing
     if (now - this.loadedAt < HOOK_PATIENCE && !this.everReady) return;
     const wait = this.lastPost + FALLBACK_EVERY - now;
     if (wait > 0) {

@@ -24,8 +24,9 @@ const RULES = `
   --mantine-color-dark-6: var(--bg);
   --mantine-color-dark-7: var(--panel);
 }
-/* Its control panel, told by its handles for resizing: the page has its own. */
-.mantine-Paper-root:has(> [style*="-resize"]) { display: none; }
+/* Its control panel: the page has its own. It is told by its handles for resizing, and in a narrow frame, where it is a
+   sheet at the bottom, by being fixed there; there its own style says how it is displayed. */
+.mantine-Paper-root:is(:has(> [style*="-resize"]), [style*="position: fixed"]) { display: none !important; }
 /* Clear of the page's buttons over the scene. */
 .mantine-Notifications-root { margin-top: 76px; }
 #${SOFTWARE} { display: none; }`;

@@ -14,19 +14,21 @@ export function allWarnings(state, consequences) {
   return all.sort((a, b) => ORDER.indexOf(a.severity ?? "warn") - ORDER.indexOf(b.severity ?? "warn"));
 }
 
-function timeLinks(times, clock) {
+// `untold` counts further stretches, which were not sent and are not on the timeline.
+function timeLinks(times, untold, clock) {
   const links = times.slice(0, MOST_TIMES).map((span) => el("button", { class: "time-link", type: "button", title: "Go there", onclick: () => clock.seek(span[0]) },
     span[1] > span[0] ? spanText(span, clock.end) : clockText(span[0], clock.end)));
-  const more = times.length > MOST_TIMES ? ` and ${times.length - MOST_TIMES} more` : "";
+  const left = times.length - links.length + untold;
+  const more = left ? ` and ${left} more${untold ? `; the timeline shows the first ${times.length}` : ""}` : "";
   return el("p", { class: "when" }, ...links.flatMap((link, k) => (k ? [" ", link] : [link])), more);
 }
 
 // One line until it is opened; the line holds the whole text, which only the eye sees cut.
-function warningNode({ message, hint, pointer, severity = "warn", times = [] }, { link, clock, open }) {
+function warningNode({ message, hint, pointer, severity = "warn", times = [], more_times: untold = 0 }, { link, clock, open }) {
   return el("details", { class: `box ${severity}`, open, "data-severity": severity },
     el("summary", { title: `${WORDS[severity]}: ${message}` }, message),
     hint ? el("p", {}, `${hint[0].toUpperCase()}${hint.slice(1)}.`) : null,
-    times.length ? timeLinks(times, clock) : null,
+    times.length ? timeLinks(times, untold, clock) : null,
     pointer ? link(pointer) : null);
 }
 

@@ -87,12 +87,16 @@ def _settings(options: argparse.Namespace, folder: Path) -> Settings | None:
     if options.scheduler is not None:
         given["scheduler"] = options.scheduler
     try:
-        return Settings(**given)
+        settings = Settings(**given)
     except ValidationError as error:
         for item in error.errors(include_url=False):
             name = "_".join(str(part).upper() for part in item["loc"])
             complain(f"GLIDER_STUDIO_{name}", item["msg"].removeprefix("Value error, "))
         return None
+    if settings.database_url is not None:
+        unused = "GLIDER_STUDIO_DATABASE_URL is not used here"
+        complain("environment", f"warning: {unused}: the jobs of a batch are kept in {folder / DATABASE}")
+    return settings
 
 
 def _batch(document: Any, settings: Settings, options: argparse.Namespace) -> int:

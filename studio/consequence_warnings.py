@@ -15,17 +15,18 @@ from models.design import Design
 from models.operating_point import down_in_body
 from models.problems import Problem, pointer_to
 from models.stability import Quantity, stretches_lost, worst_of
+from studio.cell_reach import NEAR_STOP, CellReach, StopReach
 from studio.holds import Span
+from studio.run_marks import MOST_SPANS
 
 if TYPE_CHECKING:
-    from studio.consequences import CellReach, Margins
+    from studio.consequences import Margins
     from studio.held_glides import HeldGlide
 
 LITTLE = 0.1
 """Share of what the cells change net buoyancy by, in all, that should be left on the other side of neutral."""
 NOISE = 1e-9
 """Share of the same that is a rounding error."""
-MOST_TIMES = 12
 OF_MARGINS = ("pitch_stiffness", "pitch_margin", "yaw_margin")
 """Margins warned of here; that weight lies above buoyancy is told by the run's own warnings."""
 MARGIN_HINTS = {
@@ -44,8 +45,11 @@ class Warned:
     times: tuple[Span, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the warning as the page shows it."""
-        return self.problem.as_dict() | {"severity": self.severity, "times": self.times[:MOST_TIMES]}
+        """Return the warning as the page shows it; `more_times` counts the stretches beyond those that it is sent."""
+        sent = self.times[:MOST_SPANS]
+        return self.problem.as_dict() | {
+            "severity": self.severity, "times": sent, "more_times": len(self.times) - len(sent),
+        }  # fmt: skip
 
 
 def severity_of(problem: Problem) -> str:
@@ -64,7 +68,7 @@ def warnings_of(
     if margins is not None:
         yield from _of_margins(margins, steady=all(glide.trim is not None and glide.trim.stable for glide in glides))
     for cell in cells:
-        yield from _of_stop(design, cell)
+        yield from _of_stops(design, cell)
 
 
 def times_in_words(spans: Sequence[Span]) -> str:
@@ -148,17 +152,29 @@ def _of_margins(margins: Margins, *, steady: bool) -> Iterator[Warned]:
         yield Warned("note" if steady else "warn", problem, tuple(lost))
 
 
-def _of_stop(design: Design, cell: CellReach) -> Iterator[Warned]:
-    for side, stop, spans in (("lower", cell.low, cell.at_low), ("upper", cell.high, cell.at_high)):
-        if not spans:
+def _of_stops(design: Design, cell: CellReach) -> Iterator[Warned]:
+    """Warn of each stop that a cell meets, and of one that it only comes near to."""
+    index, part = next((i, part) for i, part in design.vehicle.actuated if part.name == cell.name)
+    pointer = pointer_to("vehicle", "components", index, stop_field(part))
+    for reach in (cell.low, cell.high):
+        if not reach.near:
             continue
-        index, part = next((i, part) for i, part in design.vehicle.actuated if part.name == cell.name)
-        shown = f"{stop * 1e3:.4g} mm" if extension_unit(part) == "m" else f"{math.degrees(stop):.4g} deg"
-        message = f"'{cell.name}' is at its {side} stop, {shown}, from {times_in_words(spans)}"
-        field = stop_field(part)
-        hint = f"ask for less, or {'lower' if side == 'lower' else 'raise'} the stop"
-        pointer = pointer_to("vehicle", "components", index, field)
-        yield Warned("note", Problem(pointer, message, stop, hint), tuple(spans))
+        shown = f"{reach.stop * 1e3:.4g} mm" if extension_unit(part) == "m" else f"{math.degrees(reach.stop):.4g} deg"
+        stop = f"its {reach.side} stop, {shown}"
+        hint = f"ask for less, or {'lower' if reach.side == 'lower' else 'raise'} the stop"
+        if reach.at:
+            message = f"'{cell.name}' is at {stop}, from {times_in_words(reach.at)}"
+            yield Warned("note", Problem(pointer, message, reach.stop, hint), reach.at)
+        else:
+            message = f"'{cell.name}' {_nearness(reach, stop)}"
+            yield Warned("note", Problem(pointer, message, reach.near_limit, hint), reach.near)
+
+
+def _nearness(reach: StopReach, stop: str) -> str:
+    return (
+        f"comes within {1e2 * reach.least:.2g} % of its stroke of {stop}, at {reach.time:.4g} s; less than "
+        f"{1e2 * NEAR_STOP:.0f} % from {times_in_words(reach.near)}"
+    )
 
 
 def stop_field(part: object) -> str:

@@ -21,10 +21,11 @@ from models.mass_properties import mass_balance
 from models.run import Run
 from models.stability import QUANTITIES, Quantity, worst_of
 from models.warm import analyses_are_ready, warm_analyses
+from studio.cell_reach import NEAR_STOP, CellReach, cell_reach, reach_document
 from studio.consequence_warnings import Warned, warnings_of
 from studio.curves import rounded
 from studio.held_glides import HeldGlide, glide_document, held_glide
-from studio.holds import Span, holds_of
+from studio.holds import Span, holds_of, spans_of
 from studio.listeners import Listeners
 from studio.polar import source_range
 
@@ -32,8 +33,6 @@ Array = NDArray[np.float64]
 
 MARGIN_SAMPLES = 120
 """Instants of a run at which margins are told."""
-AT_STOP = 1e-6
-"""A cell within this share of its stroke from a stop is at it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,31 +45,18 @@ class Margins:
     length: float
 
 
-@dataclass(frozen=True)
-class CellReach:
-    """How near a cell comes to its stops `low` and `high` (m or rad) in a run, and when it is at them.
-
-    `nearest` is the least distance to a stop as a share of the stroke, at `time` (s), on `side`.
-    """
-
-    name: str
-    low: float
-    high: float
-    nearest: float
-    side: str
-    time: float
-    at_low: tuple[Span, ...]
-    at_high: tuple[Span, ...]
-
-
 @dataclass(frozen=True, eq=False)
 class Consequences:
-    """What follows from a design; without a run there are no margins, no energy and no reach of the cells."""
+    """What follows from a design; without a run there are no margins, no energy and no reach of the cells.
+
+    `left_out` counts holds that are too many to be told, `left_out_spans` is when the run is in one of them, s.
+    """
 
     assembly: Assembly
     mass: float
     glides: tuple[HeldGlide, ...]
     left_out: int
+    left_out_spans: tuple[Span, ...]
     analyses: bool
     margins: Margins | None
     energy: EnergyBill | None
@@ -84,10 +70,10 @@ def consequences_of(assembly: Assembly, run: Run | None, *, analyses: bool = Tru
     holds, left_out = holds_of(assembly, run)
     glides = tuple(held_glide(assembly, hold, run, analyses=analyses) for hold in holds)
     margins = None if run is None else margins_along(assembly, run)
-    cells = () if run is None else tuple(_reach(assembly, run, k) for k in range(len(run.cells)))
+    cells = () if run is None else tuple(cell_reach(assembly, run, k) for k in range(len(run.cells)))
     return Consequences(
-        assembly, mass_balance(design.vehicle).mass, glides, left_out, analyses, margins,
-        None if run is None else energy_bill(run), cells,
+        assembly, mass_balance(design.vehicle).mass, glides, len(left_out), spans_of(left_out), analyses,
+        margins, None if run is None else energy_bill(run), cells,
         tuple(warnings_of(design, glides, margins, cells)),
     )  # fmt: skip
 
@@ -106,25 +92,6 @@ def margins_along(assembly: Assembly, run: Run, samples: int = MARGIN_SAMPLES) -
     return Margins(told, thin.times, series, flow.length)
 
 
-def _reach(assembly: Assembly, run: Run, k: int) -> CellReach:
-    part, extension = assembly.params.parts[k], run.cell_values["extension"][:, k]
-    low, high = float(part["stop_low"]), float(part["stop_high"])
-    share = (extension - low) / (high - low)
-    nearest = np.minimum(share, 1.0 - share)
-    at = int(nearest.argmin())
-    return CellReach(
-        run.cells[k], low, high, max(float(nearest[at]), 0.0), "lower" if share[at] < 0.5 else "upper",
-        float(run.times[at]), spans_where(run.times, share <= AT_STOP), spans_where(run.times, share >= 1.0 - AT_STOP),
-    )  # fmt: skip
-
-
-def spans_where(times: Array, flags: NDArray[np.bool_]) -> tuple[Span, ...]:
-    """Return from when until when flags (n,) hold without a break, s."""
-    edges = np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8))
-    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
-    return tuple(zip(times[starts].tolist(), times[ends].tolist(), strict=True))
-
-
 def consequences_document(found: Consequences) -> dict[str, Any]:
     """Return consequences as the page shows them."""
     return {
@@ -132,9 +99,11 @@ def consequences_document(found: Consequences) -> dict[str, Any]:
         "mass": found.mass,
         "holds": [glide_document(glide) for glide in found.glides],
         "left_out": found.left_out,
+        "left_out_spans": found.left_out_spans,
         "margins": None if found.margins is None else _margins_document(found.margins),
         "energy": None if found.energy is None else _energy_document(found.energy),
-        "cells": [asdict(cell) for cell in found.cells],
+        "cells": [reach_document(cell) for cell in found.cells],
+        "near_stop": NEAR_STOP,
         "warnings": [warned.as_dict() for warned in found.warnings],
         "source": source_range(found.assembly.design.vehicle.hydrodynamics),
     }

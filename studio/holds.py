@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Span = tuple[float, float]
 
 MOST_HOLDS = 4
-"""Of more, those that last longest are told: a trim takes milliseconds, and an edit waits for them."""
+"""Of more, those that last longest are told: a spatial trim takes 3 to 5 ms, and an edit waits for them all."""
 SAME = 1e-6
 """Extensions that differ by less than this share of a stroke are one hold."""
 ALIKE = 0.03
@@ -54,8 +54,8 @@ class Hold:
         return sum(end - start for start, end in self.spans)
 
 
-def holds_of(assembly: Assembly, run: Run | None) -> tuple[list[Hold], int]:
-    """Return the distinct holds by their first times, and how many shorter ones are left out."""
+def holds_of(assembly: Assembly, run: Run | None) -> tuple[list[Hold], list[Hold]]:
+    """Return the distinct holds by their first times, and the shorter ones that are left out."""
     design = assembly.design
     if design.mission.control.controller is None:
         found, tolerance = scheduled_holds(design), SAME
@@ -64,8 +64,13 @@ def holds_of(assembly: Assembly, run: Run | None) -> tuple[list[Hold], int]:
     distinct = _distinct(found, {part.name: part for _, part in design.vehicle.actuated}, tolerance)
     if run is not None:
         distinct = [_as_flown(hold, float(run.times[-1])) for hold in distinct]
-    kept = sorted(distinct, key=lambda hold: (not hold.reached, -hold.lasts))[:MOST_HOLDS]
-    return sorted(kept, key=lambda hold: hold.spans[0]), len(distinct) - len(kept)
+    ranked = sorted(distinct, key=lambda hold: (not hold.reached, -hold.lasts))
+    return sorted(ranked[:MOST_HOLDS], key=lambda hold: hold.spans[0]), ranked[MOST_HOLDS:]
+
+
+def spans_of(holds: Iterable[Hold]) -> tuple[Span, ...]:
+    """Return when a run is in one of these holds, in the order of time."""
+    return _joined(sorted(span for hold in holds if hold.reached for span in hold.spans))
 
 
 def _as_flown(hold: Hold, end: float) -> Hold:

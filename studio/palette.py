@@ -8,10 +8,11 @@ from models.components import Component, Rigid
 
 Rgb = tuple[int, int, int]
 
-CELLS = ("#f2b134", "#4fc3a1", "#7aa7ff", "#d98cc4", "#a3d468", "#ff9f7a", "#63d0e6", "#c6a5ff")
+CELLS = ("#f2b134", "#4fc3a1", "#7aa7ff", "#d98cc4", "#a6d678", "#e4875c", "#43e9e2", "#c8c0ff")
+"""Apart from each other for each kind of colour blindness (tests/studio/test_palette.py)."""
 RIGID = "#9fb3c8"
 # cyan, yellow, vermilion, pale violet: apart from each other and from the water for each kind of colour blindness
-BUOYANCY, LIFT, DRAG, SIDE = "#7fe7ff", "#ffe45c", "#ff7a59", "#e3b5ff"
+BUOYANCY, LIFT, DRAG, SIDE = "#7fe7ff", "#ffe45c", "#ff7a59", "#cd9cff"
 CENTER_OF_MASS, CENTER_OF_BUOYANCY = "#ff6f81", "#5bc8f5"
 PATH, BEACON = "#f3f7fb", "#ef5b6f"
 PATH_SCALE = ("#7a6ff0", "#4f9be8", "#3cc3c0", "#6bdc8a", "#c2e55b", "#fff06a")

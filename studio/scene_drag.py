@@ -1,6 +1,7 @@
 """Owns moving a part in the scene with the pointer: along a body axis, in whole millimetres, its mirror image with it.
 
-The pointer moves over a plane that faces the camera; a part goes along its axis as far as keeps it under the pointer.
+A part is taken by its mesh or by the arrows above it. By its mesh it goes along its axis as far as keeps it under the
+pointer, which moves over a plane that faces the camera; the arrows tell a place, and no modifiers: they always snap.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ MODIFIERS: dict[str | None, tuple[int, bool]] = {
     "cmd/ctrl": (2, False), "cmd/ctrl+alt": (2, True),
 }  # fmt: skip
 AXES = ("x", "y", "z")
+MOVED = 1e-7
+"""How far from where it was a place must be, m, to have left it: the client's arithmetic moves it by less."""
 LEAST_SIGHT = 0.05
 """Squared share of an axis across the line of sight below which a drag along it would leap."""
 
@@ -78,6 +81,7 @@ class PartMoves:
         self._session, self._attitude = session, attitude
         self._numbers = itertools.count(1)
         self._drag: Drag | None = None
+        self._by_arrows: Grip | None = None
         self.label: tuple[int, str] | None = None
 
     def take(self, index: int) -> Grip | None:
@@ -108,6 +112,27 @@ class PartMoves:
             self._session.edit(patch, gesture=grip.gesture)
         except DesignError:
             log.debug("a dragged part was refused; the session tells why")
+
+    def drag_by_arrows(self, phase: str, place: Vector) -> None:
+        """Follow the arrows that drag the selected part; across the one that is pulled it stays where it was."""
+        if phase == "start":
+            self._by_arrows = self.take(self._session.selected)
+        elif self._by_arrows is not None:
+            self._pull(self._by_arrows, place)
+        if phase == "end":
+            self._by_arrows = self.label = None
+            self._session.touch()
+
+    def _pull(self, grip: Grip, place: Vector) -> None:
+        ways = [to - begin for to, begin in zip(place, grip.begin, strict=True)]
+        axis = max(range(3), key=lambda k: abs(ways[k]))
+        x, y, z = (
+            snapped(to, free=False) if abs(way) > MOVED else begin
+            for to, way, begin in zip(place, ways, grip.begin, strict=True)
+        )
+        if abs(ways[axis]) > MOVED:
+            self.label = grip.index, _words(axis, (x, y, z)[axis], free=False)
+        self.put(grip, (x, y, z))
 
     def drag(self, index: int, event: Any) -> None:
         """Follow the pointer that drags a part by its mesh."""

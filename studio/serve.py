@@ -115,14 +115,18 @@ def bind(settings: Settings) -> socket.socket | None:
     return listener
 
 
-def _prepare_kernel() -> None:
-    """Compile the kernel, which is told, or load what an earlier start has compiled, which takes a moment."""
+def _prepare(app: FastAPI) -> None:
+    """Compile the kernel, which is told, or load what an earlier start has compiled, which takes a moment.
+
+    Then what else the first who asks would wait for: pictures of the presets, and the document of all operations.
+    """
     if not SIMULATION_DONE.exists():
         print("Preparing the physics: the first start on a machine compiles it, which takes a while.", flush=True)
     warm_kernel()
     _settle()
     print("The physics is ready.", flush=True)
     draw_all_presets()
+    app.openapi()
 
 
 def _settle() -> None:
@@ -150,6 +154,6 @@ def serve(*, host: str | None = None, port: int | None = None, data: Path | None
     if kernel_is_ready():
         _settle()
     else:
-        threading.Thread(target=_prepare_kernel, name="kernel-warm-up", daemon=True).start()
+        threading.Thread(target=_prepare, args=[app], name="warm-up", daemon=True).start()
     Server(uvicorn_config(app), app.state.stopping).run(sockets=[listener])
     return DONE

@@ -24,7 +24,7 @@ from studio.outlook import outlook
 from studio.palette import rgb
 from studio.path_colors import scale_of
 from studio.scene import LEVEL, GliderNodes, vehicle_extent, vehicle_length
-from studio.scene_drag import Grip, PartMoves
+from studio.scene_drag import PartMoves
 from studio.scene_ghost import GhostNodes
 from studio.scene_markers import Markers
 from studio.session import Change, Session
@@ -67,7 +67,6 @@ class View:
         self._drawn_run: tuple[Run, str | None] | None = None
         self._shown: Quaternion = LEVEL
         self._initial: Initial | None = None
-        self._grip: Grip | None = None
         try:
             with self.server.atomic():
                 self._build()
@@ -83,7 +82,7 @@ class View:
         self.markers = Markers(self.server.scene)
         self.water = WaterNodes(self.server.scene)
         self.ghost = GhostNodes(self.server.scene)
-        self.gizmo = Gizmo(self.server.scene, self._move_selected)
+        self.gizmo = Gizmo(self.server.scene, self.moves.drag_by_arrows)
         self._look("side")
         self._redraw()
 
@@ -228,13 +227,6 @@ class View:
             self.session.select(index)
         except DesignError:
             log.debug("a part was clicked that is no longer there")
-
-    def _move_selected(self, phase: str, position: Vector) -> None:
-        if phase == "start":
-            self._grip = self.moves.take(self.session.selected)
-        elif self._grip is not None:
-            x, y, z = (round(v, 5) for v in position)
-            self.moves.put(self._grip, (x, y, z))
 
 
 def moved_to(part: Actuated, extension: float) -> tuple[Vector, Quaternion]:

@@ -71,6 +71,17 @@ class ActiveJob:
         for future in list(self.sent):
             future.cancel()
 
+    def refill_watch(self) -> None:
+        """Have the watch know what was written before."""
+        if self.watch is not None:
+            for chunk in sorted(self.written):
+                self.watch.add(chunk * self.job.chunk_size, self.files.path(chunk).read_bytes())
+
+    def heed_watch(self) -> None:
+        """Send nothing more where the watch knows enough."""
+        if self.watch is not None and self.watch.stop is not None:
+            self.drop_rest()
+
     def task(self, chunk: int) -> ChunkTask:
         """Return the work of a chunk."""
         first = chunk * self.job.chunk_size

@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import threading
 import time
+import weakref
 from collections.abc import Mapping
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -19,7 +20,9 @@ from server.jobs.worker import THREADS, begin_worker
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["DaskEngine", "Engine", "EngineLostError", "ProcessEngine", "SerialEngine", "make_engine"]
+__all__ = [
+    "DaskEngine", "Engine", "EngineLostError", "ProcessEngine", "SerialEngine", "UnreachableError", "make_engine",
+]  # fmt: skip
 START_WITHIN = 60.0
 """How long the first worker process may take to start, s."""
 CONNECT_WITHIN = 10.0
@@ -28,6 +31,14 @@ ANSWER_WITHIN = 2.0
 """How long whoever only asks waits for a scheduler's answer, or for a connection that is being made, s."""
 ASK_EVERY = 3.0
 """How often a scheduler is asked how many workers it has, s."""
+HELD_AGAINST = 90.0
+"""How long a failure of workers counts, s: longer than from one start that fails to the end of the next."""
+MOST_DEATHS = 4
+"""So many pools that broke one after the other, without a result between, are told: one deadly chunk takes three."""
+
+
+class UnreachableError(EngineLostError):
+    """A scheduler does not answer; the words may hold its address, which is not for everybody."""
 
 
 class Engine(Protocol):
@@ -43,6 +54,11 @@ class Engine(Protocol):
     @property
     def workers(self) -> int:
         """How many chunks are computed at once."""
+        ...
+
+    @property
+    def known_workers(self) -> int | None:
+        """How many chunks could be computed at once a moment ago, None where that is not known; asks nobody."""
         ...
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
@@ -62,7 +78,7 @@ class Engine(Protocol):
         ...
 
     def check(self) -> None:
-        """Raise `EngineLostError` where nobody can be reached."""
+        """Raise `EngineLostError` where nobody can be reached, or could be lately."""
         ...
 
     def stop(self) -> None:
@@ -75,10 +91,14 @@ class _ExecutorEngine:
 
     name = ""
     repeats_by_itself = False
+    known_workers: int | None = None
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._start: Future[Executor] | None = None
+        self._trouble: tuple[float, str] | None = None
+        self._deaths = 0
+        self._broken: weakref.ref[Executor] | None = None
 
     def _make(self) -> Executor:
         raise NotImplementedError
@@ -91,11 +111,15 @@ class _ExecutorEngine:
         if ours:
             try:
                 start.set_result(self._make())
+                if self._deaths < MOST_DEATHS:
+                    self._trouble = None
             except BaseException as error:
                 with self._lock:
                     if self._start is start:
                         self._start = None
-                start.set_exception(_as_lost(error))
+                lost = _as_lost(error)
+                self._trouble = time.monotonic(), str(lost)
+                start.set_exception(lost)
                 if not isinstance(error, Exception):
                     raise
         try:
@@ -107,9 +131,25 @@ class _ExecutorEngine:
         """Send work."""
         executor = self._ready()
         try:
-            return executor.submit(function, *arguments)
+            sent = executor.submit(function, *arguments)
         except Exception as error:  # broken, shut down by a `restart` meanwhile, no process to be had ...
             raise _as_lost(error) from error
+        sent.add_done_callback(lambda done: self._note(executor, done))
+        return sent
+
+    def _note(self, executor: Executor, done: Future[Any]) -> None:
+        """Count executors that broke, each once though all that was sent there ends; a result begins the count anew."""
+        if done.cancelled():
+            return
+        error = done.exception()
+        with self._lock:
+            if error is None or not self.blames(error):
+                self._trouble, self._deaths = None, 0
+            elif self._broken is None or self._broken() is not executor:
+                self._broken, self._deaths = weakref.ref(executor), self._deaths + 1
+                if self._deaths >= MOST_DEATHS:
+                    words = f"workers keep dying, {self._deaths} times in a row; they may need more memory"
+                    self._trouble = time.monotonic(), words
 
     def restart(self) -> None:
         """Forget the executor, also one that is being made."""
@@ -130,7 +170,10 @@ class _ExecutorEngine:
         return isinstance(error, EngineLostError)
 
     def check(self) -> None:
-        """Nothing that could be out of reach."""
+        """Raise `EngineLostError` where workers could lately not be started, or keep dying; tries nothing."""
+        trouble = self._trouble
+        if trouble is not None and time.monotonic() - trouble[0] < HELD_AGAINST:
+            raise EngineLostError(trouble[1])
 
     def stop(self) -> None:
         """End the workers; what they compute is lost."""
@@ -141,7 +184,7 @@ class SerialEngine(_ExecutorEngine):
     """One chunk after another in a thread of this process."""
 
     name = "serial"
-    workers = 1
+    workers = known_workers = 1
 
     def _make(self) -> Executor:
         warm_batch()
@@ -155,7 +198,7 @@ class ProcessEngine(_ExecutorEngine):
 
     def __init__(self, workers: int | None = None) -> None:
         super().__init__()
-        self.workers = workers or os.cpu_count() or 1
+        self.workers = self.known_workers = workers or os.cpu_count() or 1
 
     def _make(self) -> Executor:
         warm_batch()
@@ -205,8 +248,12 @@ class DaskEngine(_ExecutorEngine):
 
     def _ask(self, executor: Executor) -> int:
         self._ask_after = time.monotonic() + ASK_EVERY  # others do not ask meanwhile
-        self._threads = cast("DaskExecutor", executor).threads(ANSWER_WITHIN)
+        self._threads = self.known_workers = cast("DaskExecutor", executor).threads(ANSWER_WITHIN)
         return self._threads
+
+    def _forget(self, end: Callable[[Executor], None]) -> None:
+        self.known_workers = None
+        super()._forget(end)
 
     def blames(self, error: BaseException) -> bool:
         """Whether the scheduler gave a chunk up because its workers died."""
@@ -218,13 +265,16 @@ class DaskEngine(_ExecutorEngine):
 
     def check(self) -> None:
         """Raise `EngineLostError` where the scheduler cannot be reached or has no worker."""
-        executor = self._ready(ANSWER_WITHIN)
+        try:
+            executor = self._ready(ANSWER_WITHIN)
+        except EngineLostError as error:
+            raise UnreachableError(str(error)) from error
         try:
             threads = self._ask(executor)
         except Exception as error:
-            raise EngineLostError(f"the Dask scheduler at {self.address} is not reachable: {error}") from error
+            raise UnreachableError(f"the Dask scheduler at {self.address} is not reachable: {error}") from error
         if not threads:
-            raise EngineLostError(f"the Dask scheduler at {self.address} has no workers: start some")
+            raise EngineLostError("the Dask scheduler has no workers: start some")
 
 
 def _as_lost(error: BaseException) -> EngineLostError:

@@ -28,6 +28,7 @@ from server.jobs.heartbeat import Heartbeat
 from server.jobs.submission import restamped
 from server.jobs.task import ChunkResult
 from server.jobs.tasks import plan_of
+from server.jobs.waiting import Waiting
 from server.jobs.watch import failures_before
 from server.store.errors import UnavailableError
 from server.store.job_records import Job
@@ -73,6 +74,8 @@ class Manager:
         self._looked = self._rest_until = 0.0
         self._wait = 5.0
         self._pulse = Heartbeat(store, self.owner, lease)
+        self._waiting = Waiting(store, self.owner)
+        self.cases_done = self.cases_failed = 0  # counted by this process; the latter are among the former
         self._turn = 0
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
@@ -108,14 +111,21 @@ class Manager:
         """How many chunks are with the engine."""
         return sum(len(active.sent) for active in list(self._active.values()))
 
+    def waits_for(self, job_id: str) -> str | None:
+        """Return why a job that this process works on gets nowhere, where its record cannot be told."""
+        return self._waiting.for_database if job_id in self._active else None
+
     def _run(self) -> None:
         while not self._stopping.is_set():
             try:
                 self._look_around()
                 self._send()
                 self._take(TICK)
+                if not self._unsaved:
+                    self._waiting.database_works()
             except UnavailableError as error:
                 log.warning("the database cannot be used now: %s", error)
+                self._waiting.database_fails(error)
                 self._stopping.wait(BACKOFF)
             except Exception:
                 log.exception("the job thread stumbled; it goes on")
@@ -155,6 +165,8 @@ class Manager:
                     self._begin(self.store.get(job_id))
                 elif cancelled:
                     self._active[job_id].drop_rest()
+            if self._active and self.engine.known_workers == 0:
+                self._waiting.for_workers("there are none")
         if len(self._active) < MOST_ACTIVE:
             for job in self.store.claim(self.owner, self._lease, most=MOST_ACTIVE - len(self._active)):
                 self._begin(job)
@@ -179,7 +191,7 @@ class Manager:
             active = ActiveJob(job, plan, self.files(job.id), written=written, limits=self._limits)
             active.files.sweep()
             stamp = restamped(job, plan)
-            self._refill_watch(active)
+            active.refill_watch()
         except DesignError as error:  # written by another version of the program
             self._settle(job.id, state="failed", reason=f"its document cannot be read any more: {error}")
         except Exception as error:
@@ -194,13 +206,7 @@ class Manager:
                 return
             self.store.begin(job.id, self.owner, **(stamp or {}))
             self._active[job.id] = active
-            self._check_watch(active)
-
-    @staticmethod
-    def _refill_watch(active: ActiveJob) -> None:
-        if active.watch is not None:
-            for chunk in sorted(active.written):
-                active.watch.add(chunk * active.job.chunk_size, active.files.path(chunk).read_bytes())
+            active.heed_watch()
 
     def _end(self, active: ActiveJob) -> None:
         job = self.store.get(active.job.id)
@@ -283,6 +289,7 @@ class Manager:
         log.warning("whoever computes cannot be reached, trying again in %g s: %s", BACKOFF, error)
         self.engine.restart()
         self._rest_until = time.monotonic() + BACKOFF
+        self._waiting.for_workers(error)
 
     # what comes back
 
@@ -340,6 +347,7 @@ class Manager:
 
     def _save(self, active: ActiveJob, chunk: int, result: ChunkResult) -> None:
         """Write and count a chunk; until that is done it is held, and sent again where the job goes to another."""
+        self._waiting.workers_work()
         if result.kernel != KERNEL_HASH:
             self._pause(active, OTHER_WORKER.format(theirs=result.kernel, ours=KERNEL_HASH))
             return
@@ -348,12 +356,13 @@ class Manager:
                 self._drop(active.job.id)
                 return
             active.files.write(chunk, result)
-            self.store.count_chunk(
+            counted = self.store.count_chunk(
                 active.job.id, self.owner, chunk, cases=result.cases, failures=result.failures,
                 seconds=result.seconds, processor=result.processor, rate=active.note(result.cases),
             )  # fmt: skip
         except UnavailableError as error:
             log.warning("chunk %d of job %s cannot be counted yet: %s", chunk, active.job.id, error)
+            self._waiting.database_fails(error)
             self._unsaved.append((active, chunk, result))
             self._rest_until = time.monotonic() + BACKOFF
         except DiskFullError as error:
@@ -364,9 +373,12 @@ class Manager:
             self._unsaved.append((active, chunk, result))
             self._pause(active, f"a result cannot be kept: {type(error).__name__}: {error}; put that right and resume")
         else:
+            if counted:
+                self.cases_done += result.cases
+                self.cases_failed += sum(count for count, _ in result.failures.values())
             if active.watch is not None:
                 active.watch.add(chunk * active.job.chunk_size, result.table)
-                self._check_watch(active)
+                active.heed_watch()
 
     def _save_again(self) -> None:
         for _ in range(len(self._unsaved)):
@@ -375,10 +387,6 @@ class Manager:
             active, chunk, result = self._unsaved.pop(0)
             if self._active.get(active.job.id) is active:
                 self._save(active, chunk, result)
-
-    def _check_watch(self, active: ActiveJob) -> None:
-        if active.watch is not None and active.watch.stop is not None:
-            active.drop_rest()
 
     def _pause(self, active: ActiveJob, reason: str) -> None:
         """Stop a job until someone resumes it; what is in flight is computed again then."""

@@ -12,6 +12,9 @@ from server.store.designs import DesignStore
 from server.store.errors import DeletedError, NotFoundError
 from server.store.identifiers import is_id
 
+DESIGNS = "/api/v1/designs"
+"""Where whoever sends a batch document finds the designs that there are."""
+
 
 def open_jobs(settings: Settings, store: DesignStore) -> Jobs:
     """Return the jobs beside a store of designs, in its database; nothing runs before they are started."""
@@ -32,8 +35,9 @@ def finder(store: DesignStore) -> FindDesign:
             stored = store.get(design_id) if revision is None else store.revision(design_id, revision)
         except (NotFoundError, DeletedError) as error:
             pointer = "/design_id" if revision is None else "/revision"
-            listed = "/designs" if revision is None else f"/designs/{design_id}/revisions"
-            raise DesignError([Problem(pointer, str(error), hint=f"GET {listed} lists those there are")]) from None
+            listed = "" if revision is None else f"/{design_id}/revisions"
+            hint = f"GET {DESIGNS}{listed} lists those there are"
+            raise DesignError([Problem(pointer, str(error), hint=hint)]) from None
         return stored.design, stored.revision
 
     return find

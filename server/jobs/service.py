@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import time
+import uuid
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +20,8 @@ from server.store.job_records import Job
 from server.store.jobs import JobStore
 
 MOST_CASES = 10_000_000
+HOLD = 15.0
+"""How long a job that is retried waits at most for a process that died as it deleted old results, s."""
 
 
 class Jobs:
@@ -73,7 +78,12 @@ class Jobs:
     def records(self, jobs: Sequence[Job]) -> list[dict[str, Any]]:
         """Return the records of some jobs; however many, the store is asked once."""
         failures = self.store.failures([job.id for job in jobs if job.failed])
-        return [record_of(job, failures=failures.get(job.id, ())) for job in jobs]
+        return [record_of(self._explained(job), failures=failures.get(job.id, ())) for job in jobs]
+
+    def _explained(self, job: Job) -> Job:
+        """Return a job with what it waits for, where only its manager knows."""
+        waits = self.manager.waits_for(job.id)
+        return job if waits is None or job.over else replace(job, reason=waits)
 
     def files(self, job: Job) -> JobFiles:
         """Return the files of a job."""
@@ -89,10 +99,18 @@ class Jobs:
 
     def retry(self, job_id: str) -> Job:
         """Compute the chunks with failed cases, and those missing, again; raises as `cancel` does."""
-        failed = self.store.failed_chunks(job_id)
-        job = self.store.retry(job_id)
-        for chunk in failed:
-            self.files(job).forget(chunk)
+        holder = uuid.uuid4().hex
+        job, dropped = self.store.retry(job_id, holder=holder, lease=HOLD)
+        renewed = time.monotonic()
+        try:
+            # before anybody computes them again: a file that counts is never deleted, however slow the disk
+            for chunk in dropped:
+                self.files(job).forget(chunk)
+                if time.monotonic() - renewed > HOLD / 3.0:
+                    self.store.renew(holder, HOLD)
+                    renewed = time.monotonic()
+        finally:
+            self.store.release(holder)
         return self._told(job)
 
     def remove(self, job_id: str) -> None:

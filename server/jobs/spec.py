@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 import rfc8785
 from pydantic import Discriminator, Field, Tag, TypeAdapter, ValidationError, field_validator, model_validator
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from models.design import Design, parse_design
 from models.fields import LARGEST_WHOLE, Description, Switch, text
@@ -26,6 +27,8 @@ WORDS = ("name", "notes", "design", "design_id", "revision")
 """Fields that decide no number, or whose content the checksum takes from the design itself."""
 
 MOST_PARAMETERS = 1000
+MOST_ROWS_TOLD = 20
+"""Of rows that have too many or too few values, how many are told."""
 Count = Annotated[int, Field(strict=True, ge=1, le=LARGEST_WHOLE)]
 Case = Annotated[int, Field(strict=True, ge=0, le=LARGEST_WHOLE)]
 Kept = Annotated[
@@ -80,10 +83,19 @@ class Cases(Description):
 
     @model_validator(mode="after")
     def _rows_are_full(self) -> Self:
-        for k, row in enumerate(self.rows):
-            if len(row) != len(self.parameters):
-                raise ValueError(f"row {k} has {len(row)} values for {len(self.parameters)} parameters")
+        wanted = len(self.parameters)
+        wrong = [(k, row) for k, row in enumerate(self.rows) if len(row) != wanted]
+        if wrong:
+            lines = [_row_error(k, row, wanted) for k, row in wrong[:MOST_ROWS_TOLD]]
+            raise ValidationError.from_exception_data(type(self).__name__, lines)
         return self
+
+
+def _row_error(k: int, row: tuple[Any, ...], wanted: int) -> InitErrorDetails:
+    """Return what is wrong with the length of row `k`, at the first value that is missing or one too many."""
+    message = f"row {k + 1} has {len(row)} values for {wanted} parameters: give one for each"
+    kind = PydanticCustomError("value_error", "{told}", {"told": message, "max_length": wanted})
+    return InitErrorDetails(type=kind, loc=("rows", k, min(len(row), wanted)), input=row)
 
 
 class SobolIndices(Description):

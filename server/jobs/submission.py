@@ -39,6 +39,10 @@ MOST_NUMBERS = 20_000_000
 """Most numbers in the trajectories that one chunk keeps."""
 COLUMNS_OF_RUN = 70
 """About how many numbers a sample of a run holds."""
+KIND_NAMES = {
+    "simulate": "Simulation", "sweep": "Sweep", "monte_carlo": "Monte Carlo", "sensitivity": "Sensitivity",
+}  # fmt: skip
+"""How a kind of job is called in the name of one that was given none."""
 FindDesign = Callable[[str, int | None], tuple[Design, int]]
 
 
@@ -99,7 +103,7 @@ def _design_of(spec: JobSpec, find_design: FindDesign) -> tuple[Design, int | No
 
 
 def _default_name(spec: JobSpec, design: Design) -> str:
-    return f"{spec.kind.replace('_', ' ').capitalize()} of {design.name}"[:200]
+    return f"{KIND_NAMES[spec.kind]} of {design.name}"[:200]
 
 
 def _about(plan: Plan, design_id: str | None, revision: int | None, *, warnings: list[str]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 from models.design import Design
 from models.problems import DesignError, Problem, echo, problems_from_validation
 from server.answers import json_answer
-from server.body import json_body, loads
+from server.body import json_body, loads, media_type
 from server.dependencies import SettingsNow, Store
 from server.documents import read_design
 from server.errors import design_problem
@@ -57,7 +57,7 @@ async def _picture(request: Request) -> tuple[str, bytes]:
 
 
 def _kind(request: Request) -> str:
-    return request.headers.get("content-type", "").split(";")[0].strip().lower()
+    return media_type(request.headers)
 
 
 Sent = Annotated[tuple[bytes, bool], Depends(_design_or_archive)]
@@ -83,6 +83,7 @@ def export_design(design_id: str, store: Store) -> Response:
 )  # fmt: skip
 def export_designs(
     store: Store,
+    settings: SettingsNow,
     ids: Annotated[
         str,
         Query(max_length=30_000, pattern="^[0-9A-Za-z, ]*$", description="Identifiers, with commas; else all."),
@@ -95,7 +96,8 @@ def export_designs(
     if len(chosen) > MOST_ENTRIES:
         message = f"there are more than {MOST_ENTRIES} designs to export"
         raise DesignError([Problem("", message, MOST_ENTRIES, "choose fewer, by ids or by tag")])
-    content = write_archive((store.get(design_id) for design_id in chosen), now=time.time())
+    designs = (store.get(design_id) for design_id in chosen)
+    content = write_archive(designs, now=time.time(), largest_entry=settings.max_body_bytes)
     return Response(content, media_type=ZIP, headers=_attached("designs.zip"))
 
 

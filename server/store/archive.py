@@ -16,6 +16,7 @@ from datetime import UTC, datetime
 from io import BytesIO
 from typing import Any
 
+from models.design import Design
 from models.problems import DesignError, Problem, echo
 from server.store.records import StoredDesign
 
@@ -24,6 +25,8 @@ MANIFEST_FORMAT = "glider-designs"
 MOST_ENTRIES = 1000
 LARGEST_ARCHIVE = 64 * 2**20
 """Most bytes that an archive's entries may have together, unpacked."""
+LARGEST_FILE = LARGEST_ARCHIVE + 1024 * MOST_ENTRIES
+"""Most bytes of an archive itself: such entries that do not shrink, their names twice, and the table of them."""
 CHUNK = 64 * 1024
 ENCRYPTED = 0x1
 ZIP_BEGINS = (b"PK\x03\x04", b"PK\x05\x06", b"PK\x07\x08")
@@ -45,21 +48,19 @@ def file_name(stored: StoredDesign, name: str) -> str:
     return f"{slug}-{stored.id}.json"
 
 
-def write_archive(stored: Iterable[StoredDesign], *, now: float) -> bytes:
+def write_archive(stored: Iterable[StoredDesign], *, now: float, largest_entry: int) -> bytes:
     """Return a zip of designs, each as the file that anyone can open, and a manifest of what is not in the files.
 
-    Raises `DesignError` where they are more than an import takes back.
+    Raises `DesignError` where they are more than an import takes back, whose largest entry is given.
     """
-    items, left = [], LARGEST_ARCHIVE
+    items: list[dict[str, Any]] = []
+    left = LARGEST_ARCHIVE
     file = BytesIO()
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         for one in stored:
             design = one.design
-            name, content = file_name(one, design.name), design.to_json().encode()
-            left -= len(content)
-            if left < 0:
-                message = f"the designs have more than {LARGEST_ARCHIVE} bytes together"
-                raise _refusal(message, limit=LARGEST_ARCHIVE, hint="choose fewer, by ids or by tag")
+            name, content = file_name(one, design.name), _file_of(design, largest_entry)
+            left = _taken(left, content)
             archive.writestr(_info(name, one.updated), content)
             items.append(
                 {
@@ -68,8 +69,30 @@ def write_archive(stored: Iterable[StoredDesign], *, now: float) -> bytes:
                 }
             )  # fmt: skip
         manifest = {"format": MANIFEST_FORMAT, "version": 1, "exported": _stamp(now), "items": items}
-        archive.writestr(_info(MANIFEST, now), json.dumps(manifest, indent=1, ensure_ascii=False) + "\n")
+        content = (json.dumps(manifest, indent=1, ensure_ascii=False) + "\n").encode()
+        _taken(left, content)
+        archive.writestr(_info(MANIFEST, now), content)
     return file.getvalue()
+
+
+def _file_of(design: Design, largest: int) -> bytes:
+    """Return a design's file: indented, unless only without that it is small enough to be taken back."""
+    content = design.to_json().encode()
+    if len(content) > largest:
+        content = design.model_dump_json().encode()
+    if len(content) > largest:
+        size = f"a file of {len(content)} bytes, more than an import takes: {largest}"
+        way_out = "export it alone, or raise GLIDER_STUDIO_MAX_BODY_BYTES"
+        raise _refusal(f"the design {echo(design.name)} is {size}", limit=largest, hint=way_out)
+    return content
+
+
+def _taken(left: int, content: bytes) -> int:
+    """Return how many bytes are left to an archive after an entry."""
+    if len(content) > left:
+        message = f"the designs have more than {LARGEST_ARCHIVE} bytes together"
+        raise _refusal(message, limit=LARGEST_ARCHIVE, hint="choose fewer, by ids or by tag")
+    return left - len(content)
 
 
 def _info(name: str, at: float) -> zipfile.ZipInfo:
@@ -150,15 +173,15 @@ def _unpacked(archive: zipfile.ZipFile, infos: list[zipfile.ZipInfo], largest: i
     files: dict[str, bytes] = {}
     left = LARGEST_ARCHIVE
     for info in infos:
+        most = LARGEST_ARCHIVE if info.filename == MANIFEST else largest
         parts: list[bytes] = []
         size = 0
         with archive.open(info) as file:
             while part := file.read(CHUNK):
                 size += len(part)
-                if size > largest:
+                if size > most:
                     raise _refusal(
-                        f"the archive's entry {echo(info.filename)} has more than {largest} bytes unpacked",
-                        limit=largest,
+                        f"the archive's entry {echo(info.filename)} has more than {most} bytes unpacked", limit=most
                     )
                 if size > left:
                     raise _refusal(f"the archive has more than {LARGEST_ARCHIVE} bytes unpacked", limit=LARGEST_ARCHIVE)

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Engine, Insert, Table, create_engine, event
+from sqlalchemy import Connection, Engine, Insert, Table, create_engine, event, func, select
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import (
@@ -108,6 +108,12 @@ def insert_once(connection: Connection, table: Table) -> Insert:
     return statement
 
 
+def hold_word(connection: Connection, word: str) -> None:
+    """Have others who hold the same word wait until this transaction, which writes, ends; SQLite has one writer."""
+    if connection.dialect.name == "postgresql":
+        connection.execute(select(func.pg_advisory_xact_lock(func.hashtextextended(word, 0))))
+
+
 def _make_engine(url: URL) -> Engine:
     if url.get_backend_name() != "sqlite":
         return create_engine(url, pool_pre_ping=True, connect_args={"connect_timeout": 5}, **POOL)
@@ -123,9 +129,15 @@ def _make_engine(url: URL) -> Engine:
 
 def _prepare(connection: Any, record: object) -> None:
     connection.isolation_level = None  # the driver would begin transactions late, when it meets the first write
+    connection.create_function("lower", 1, _lower, deterministic=True)
     for pragma in PRAGMAS:
         connection.execute(f"PRAGMA {pragma}").close()
     _write_ahead(connection)
+
+
+def _lower(value: Any) -> Any:
+    """Stand for SQLite's own `lower`, which knows the letters of ASCII alone."""
+    return value.lower() if isinstance(value, str) else value
 
 
 def _write_ahead(connection: Any) -> None:

@@ -6,6 +6,7 @@ whose server was killed goes on elsewhere or after a restart.
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
@@ -15,7 +16,7 @@ from sqlalchemy import Connection, and_, case, delete, func, insert, or_, select
 from sqlalchemy.exc import IntegrityError
 
 from models.problems import echo
-from server.store.database import Database
+from server.store.database import Database, hold_word
 from server.store.errors import NotFoundError
 from server.store.job_records import (
     ACTIVE,
@@ -55,39 +56,30 @@ class JobStore:
             Where the key came before with another request.
 
         """
-        known = self._known(new, reuse=reuse)
+        with self._database.read() as connection:
+            known = _known(connection, new, reuse=reuse)
         if known is not None:
-            return known, False
-        if admit is not None:
-            admit(new.cases)
+            return known, False  # so no other writer need wait
         chunks = -(-new.cases // new.chunk_size)
         row = {field.name: getattr(new, field.name) for field in fields(NewJob)}
         row |= {"state": "queued", "chunks": chunks, "created": time.time(), "sequence": 1, "lease_until": 0.0}
         row |= dict.fromkeys(("done", "failed", "chunks_done"), 0) | {"cancel_requested": False, "processors": ""}
         try:
             with self._database.write() as connection:
+                hold_word(connection, new.checksum)  # of equal requests at once the second finds the first one's job
+                known = _known(connection, new, reuse=reuse)
+                if known is not None:
+                    return known, False
+                if admit is not None:
+                    admit(new.cases)
                 connection.execute(insert(jobs).values(row))
+                return _get(connection, new.id), True
         except IntegrityError:  # another request with the same key was faster
-            known = self._known(new, reuse=False)
+            with self._database.read() as connection:
+                known = _known(connection, new, reuse=False)
             if known is None:
                 raise
             return known, False
-        return self.get(new.id), True
-
-    def _known(self, new: NewJob, *, reuse: bool) -> Job | None:
-        with self._database.read() as connection:
-            if new.idempotency_key is not None:
-                same = and_(jobs.c.principal == new.principal, jobs.c.idempotency_key == new.idempotency_key)
-                row = connection.execute(select(*COLUMNS).where(same)).first()
-                if row is not None:
-                    if row.request_digest != new.request_digest:
-                        raise KeyReusedError(f"the key {new.idempotency_key!r} came before with another request")
-                    return Job(*row)
-            if not reuse:
-                return None
-            equal = and_(jobs.c.checksum == new.checksum, jobs.c.state.in_((*ACTIVE[:2], "paused", "succeeded")))
-            row = connection.execute(select(*COLUMNS).where(equal).order_by(jobs.c.created.desc())).first()
-            return None if row is None else Job(*row)
 
     def get(self, job_id: str) -> Job:
         """Return a job; raises `NotFoundError`."""
@@ -111,7 +103,9 @@ class JobStore:
         if kinds:
             query = query.where(jobs.c.kind.in_(kinds))
         if search:
-            query = query.where(func.lower(jobs.c.name).contains(search.lower(), autoescape=True))
+            # both are lowered by the database: in the letters that it knows, it and Python need not agree
+            literally = re.sub("([/%_])", r"/\1", search)
+            query = query.where(func.lower(jobs.c.name).contains(func.lower(literally), escape="/"))
         if before is not None:
             created, job_id = before
             older = and_(jobs.c.created == created, jobs.c.id < job_id)
@@ -153,12 +147,6 @@ class JobStore:
         with self._database.read() as connection:
             return set(connection.execute(select(job_chunks.c.chunk).where(job_chunks.c.job_id == job_id)).scalars())
 
-    def failed_chunks(self, job_id: str) -> list[int]:
-        """Return the chunks that count in which a case failed."""
-        c = job_chunks.c
-        with self._database.read() as connection:
-            return list(connection.execute(select(c.chunk).where(and_(c.job_id == job_id, c.failed > 0))).scalars())
-
     def claim(self, owner: str, lease: float, *, most: int) -> list[Job]:
         """Take up to `most` jobs that nobody works on, the oldest first; a lease lasts `lease` seconds."""
         now = time.time()
@@ -174,7 +162,7 @@ class JobStore:
             )
             for job_id in found:
                 mine = update(jobs).where(and_(jobs.c.id == job_id, free))
-                done = connection.execute(mine.values(owner=owner, lease_until=now + lease))
+                done = connection.execute(mine.values(owner=owner, lease_until=now + lease, reason=None))
                 if done.rowcount == 1:
                     taken.append(_get(connection, job_id))
         return taken
@@ -212,6 +200,12 @@ class JobStore:
         except IntegrityError:
             return False
 
+    def explain(self, owner: str, reason: str | None) -> None:
+        """Note why all jobs of an owner get nowhere, None once they do."""
+        other = and_(jobs.c.owner == owner, jobs.c.reason.is_distinct_from(reason))
+        with self._database.write() as connection:
+            connection.execute(update(jobs).where(other).values(reason=reason, sequence=jobs.c.sequence + 1))
+
     def begin(self, job_id: str, owner: str, **stamp: Any) -> None:
         """Note that a queued job that an owner holds is under way; `stamp` are columns to set with it."""
         queued = and_(jobs.c.id == job_id, jobs.c.owner == owner, jobs.c.state == "queued")
@@ -243,7 +237,8 @@ class JobStore:
     def release(self, owner: str) -> None:
         """Give all jobs of an owner back, so that another process may go on at once."""
         with self._database.write() as connection:
-            connection.execute(update(jobs).where(jobs.c.owner == owner).values(owner=None, lease_until=0.0))
+            free = {"owner": None, "lease_until": 0.0, "reason": None}
+            connection.execute(update(jobs).where(jobs.c.owner == owner).values(free))
 
     def cancel(self, job_id: str) -> Job:
         """Ask for a job to end; what is done is kept.
@@ -273,8 +268,11 @@ class JobStore:
             _set(connection, job_id, state="queued", reason=None, owner=None, lease_until=0.0, cancel_requested=False)
             return _get(connection, job_id)
 
-    def retry(self, job_id: str) -> Job:
-        """Queue a job that is over again: chunks with failed cases are computed anew, and those that are missing."""
+    def retry(self, job_id: str, *, holder: str | None = None, lease: float = 0.0) -> tuple[Job, list[int]]:
+        """Queue a job that is over again: chunks with failed cases are computed anew, and those that are missing.
+
+        Return it, and the chunks that no longer count. Nobody takes it before `holder` releases it, or dies.
+        """
         with self._database.write() as connection:
             job = _locked(connection, job_id)
             if not job.over:
@@ -282,15 +280,17 @@ class JobStore:
             if job.failed == 0 and job.state != "cancelled":
                 raise JobStateError(job.state, "no case has failed: there is nothing to retry")
             bad = and_(job_chunks.c.job_id == job_id, job_chunks.c.failed > 0)
+            dropped = list(connection.execute(select(job_chunks.c.chunk).where(bad)).scalars())
             connection.execute(delete(job_chunks).where(bad))
             left = select(func.count(), func.coalesce(func.sum(job_chunks.c.cases), 0))
             chunks, cases = connection.execute(left.where(job_chunks.c.job_id == job_id)).one()
             connection.execute(delete(job_failures).where(job_failures.c.job_id == job_id))
             _set(
-                connection, job_id, state="queued", reason=None, owner=None, lease_until=0.0, cancel_requested=False,
-                finished=None, stopped_at=None, failed=0, done=int(cases), chunks_done=int(chunks),
+                connection, job_id, state="queued", reason=None, owner=holder, lease_until=time.time() + lease,
+                cancel_requested=False, finished=None, stopped_at=None, failed=0, done=int(cases),
+                chunks_done=int(chunks),
             )  # fmt: skip
-            return _get(connection, job_id)
+            return _get(connection, job_id), dropped
 
     def remove(self, job_id: str) -> None:
         """Forget a job that is over; raises as `cancel` does."""
@@ -301,6 +301,22 @@ class JobStore:
             for table in (job_failures, job_chunks):
                 connection.execute(delete(table).where(table.c.job_id == job_id))
             connection.execute(delete(jobs).where(jobs.c.id == job_id))
+
+
+def _known(connection: Connection, new: NewJob, *, reuse: bool) -> Job | None:
+    """Return the job of an earlier request with the key of this one, or with `reuse` an equal one."""
+    if new.idempotency_key is not None:
+        same = and_(jobs.c.principal == new.principal, jobs.c.idempotency_key == new.idempotency_key)
+        row = connection.execute(select(*COLUMNS).where(same)).first()
+        if row is not None:
+            if row.request_digest != new.request_digest:
+                raise KeyReusedError(f"the key {new.idempotency_key!r} came before with another request")
+            return Job(*row)
+    if not reuse:
+        return None
+    equal = and_(jobs.c.checksum == new.checksum, jobs.c.state.in_((*ACTIVE[:2], "paused", "succeeded")))
+    row = connection.execute(select(*COLUMNS).where(equal).order_by(jobs.c.created.desc())).first()
+    return None if row is None else Job(*row)
 
 
 def _get(connection: Connection, job_id: str) -> Job:
@@ -325,7 +341,8 @@ def _set(connection: Connection, job_id: str, **values: Any) -> None:
 def _let_go(connection: Connection, job_id: str, owner: str, **values: Any) -> bool:
     """Set columns of a job that an owner holds, and its lease free; return whether that was so."""
     own = and_(jobs.c.id == job_id, jobs.c.owner == owner)
-    changed = values | {"owner": None, "lease_until": 0.0, "rate": None, "sequence": jobs.c.sequence + 1}
+    free = {"owner": None, "lease_until": 0.0, "rate": None, "sequence": jobs.c.sequence + 1}
+    changed = {"reason": None} | values | free
     return connection.execute(update(jobs).where(own).values(changed)).rowcount == 1
 
 

@@ -17,6 +17,7 @@ from models.presets import load_preset
 from models.warm import warm_kernel
 from server.settings import Settings
 from studio.serve import make_app, uvicorn_config
+from tests.browser.jobs_support import api, partial, swept, watched  # noqa: F401
 from tests.browser.panel_page import PanelPage
 from tests.browser.studio_page import StudioPage
 from tests.studio.spiral import spiral_document

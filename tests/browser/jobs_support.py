@@ -1,17 +1,19 @@
-"""Owns what the journeys of jobs share: batches, the API beside the browser, and two jobs that are done."""
+"""Owns what the journeys of jobs share: batches, the API beside the browser, two jobs that are done; their fixtures."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import httpx
+import pytest
 from playwright.sync_api import Page
 
 from models.presets import load_preset
-from tests.browser.conftest import Program
+
+if TYPE_CHECKING:
+    from tests.browser.conftest import Program
 
 FRONT = "/vehicle/components/1/position/0"
 SLIGHTLY = 24
@@ -52,22 +54,24 @@ class Api:
         return dict(job)
 
 
-@contextmanager
-def api_of(program: Program) -> Iterator[Api]:
+@pytest.fixture(scope="package")
+def api(program: Program) -> Iterator[Api]:
     made = Api(program.url)
     yield made
     made.client.close()
 
 
-def swept_job(api: Api, name: str) -> str:
-    """Return a sweep all of whose cases went well."""
-    job_id = api.post(sweep(name, SLIGHTLY))
+@pytest.fixture(scope="package")
+def swept(api: Api) -> str:
+    """A sweep all of whose cases went well."""
+    job_id = api.post(sweep("A sweep that succeeds", SLIGHTLY))
     assert api.wait(job_id)["state"] == "succeeded"
     return job_id
 
 
-def partial_job(api: Api) -> dict[str, Any]:
-    """Return a job some of whose cases are refused: a duration drawn below zero."""
+@pytest.fixture(scope="package")
+def partial(api: Api) -> dict[str, Any]:
+    """A job some of whose cases are refused: a duration drawn below zero."""
     duration = {
         "pointer": "/mission/duration",
         "name": "time",
@@ -78,9 +82,9 @@ def partial_job(api: Api) -> dict[str, Any]:
     return job
 
 
-@contextmanager
-def watching(page: Page) -> Iterator[Page]:
-    """Yield a page of which nothing is wrong in the end: no error in its console, nothing that its policy forbids."""
+@pytest.fixture
+def watched(page: Page) -> Iterator[Page]:
+    """A page of which nothing is wrong in the end: no error in its console, nothing that its policy forbids."""
     wrong: list[str] = []
     page.on("console", lambda message: wrong.append(message.text) if message.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: wrong.append(str(error)))

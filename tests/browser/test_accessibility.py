@@ -7,15 +7,45 @@ from importlib.resources import files
 from typing import Any
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
+from models.presets import load_preset
+from server.store.database import Database, sqlite_url
+from server.store.designs import DesignStore
+from server.store.records import Content
 from tests.browser.conftest import Program
+from tests.browser.jobs_support import opened
+from tests.browser.timeline_page import Timeline
 
 pytestmark = pytest.mark.browser
 
 AXE = files("axe_playwright_python").joinpath("axe.min.js").read_text(encoding="utf-8")
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
 SCHEMES = ("dark", "light")
+CELL, CELL_IN_THE_PLANE = "Front port cell", "Front bellows"
+NO_WEBGL = """() => {
+  const given = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+    return kind.startsWith("webgl") ? null : given.call(this, kind, ...rest);
+  };
+}"""
+KEEP_SOURCE = """() => {
+  const { EventSource } = window;
+  window.EventSource = class extends EventSource {
+    constructor(...given) {
+      super(...given);
+      window.__source = this;
+    }
+  };
+}"""
+"""For tests that lose the connection."""
+IN_VIEW = """node => {
+  const box = node.getBoundingClientRect();
+  const middle = [box.left + box.width / 2, box.top + box.height / 2];
+  const seen = node.contains(document.elementFromPoint(...middle)) && node.textContent.trim() !== "";
+  return seen && box.left >= 0 && box.right <= innerWidth && box.top >= 0 && box.bottom <= innerHeight ? box.width : 0;
+}"""
+"""How wide a text is on the screen, px; none where it is covered, empty or out of sight."""
 
 
 def violations(page: Page) -> list[str]:
@@ -46,16 +76,25 @@ def choose_scheme(page: Page, scheme: str) -> None:
     page.wait_for_timeout(250)  # colours fade
 
 
+def assert_accessible_in_both(page: Page) -> None:
+    """Look at what is open in both schemes: to get there costs more than to look."""
+    for scheme in SCHEMES:
+        choose_scheme(page, scheme)
+        assert_accessible(page)
+
+
 @pytest.fixture
-def alone(program: Program, page: Page) -> Page:
-    """The studio's page without the 3D view in its frame: Viser's client is another program, and slow to draw."""
+def flat(page: Page) -> Page:
+    """A tab without the 3D view in its frame: Viser's client is another program, and slow to draw."""
     empty = "<!doctype html><html lang='en'><title>Nothing</title></html>"
     page.route(re.compile(r"/view/(\?|$)"), lambda route: route.fulfill(body=empty, content_type="text/html"))
-    page.goto(f"{program.url}/")
-    page.get_by_test_id("open-canete-dual-bellows").click()
-    page.wait_for_url(re.compile(r"/s/[^/]+/"))
-    page.wait_for_function("() => window.__studio?.state?.run")
     return page
+
+
+@pytest.fixture
+def alone(program: Program, flat: Page) -> Page:
+    """The studio's page of the paper's preset."""
+    return Timeline.open_preset(flat, program.url, "canete-dual-bellows").page
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
@@ -86,10 +125,76 @@ def test_menus_and_dialogs_of_the_studio_are_accessible(alone, scheme):
         alone.keyboard.press("Escape")
 
 
+def test_all_that_opens_over_a_glider_that_turns_is_accessible(program, flat):
+    spiral = Timeline.open_preset(flat, program.url, "quad-bellows-spiral")
+    assert_accessible_in_both(flat)
+    flat.get_by_test_id("display").click()
+    assert_accessible_in_both(flat)
+    flat.keyboard.press("Escape")
+    flat.get_by_test_id("parts-add").click()
+    flat.get_by_test_id("parts-menu").wait_for()
+    assert_accessible_in_both(flat)
+    flat.keyboard.press("Escape")
+    spiral.part(CELL).click(button="right")
+    flat.get_by_test_id("parts-menu").wait_for()
+    assert_accessible_in_both(flat)
+    flat.keyboard.press("Escape")
+    flat.get_by_test_id("tab-modes").click()
+    flat.get_by_test_id("modes-table").wait_for()
+    assert_accessible_in_both(flat)
+    flat.get_by_test_id("tab-readouts").click()
+    flat.get_by_test_id("glide-polar-open").click()
+    flat.get_by_test_id("glide-polar-trim").first.wait_for()
+    assert_accessible_in_both(flat)
+
+
+def test_all_that_opens_over_the_timeline_is_accessible(alone):
+    alone.get_by_test_id(f"lane-menu-{CELL_IN_THE_PLANE}").click()
+    alone.get_by_role("menu").wait_for()
+    assert_accessible_in_both(alone)
+    alone.get_by_test_id("copy-schedule").click()
+    alone.get_by_test_id("copy-dialog").wait_for()
+    assert_accessible_in_both(alone)
+    alone.keyboard.press("Escape")
+    alone.get_by_test_id("add-plot").click()
+    alone.get_by_test_id("output-list").locator("label").first.wait_for()
+    assert_accessible_in_both(alone)
+    alone.keyboard.press("Escape")
+    alone.get_by_test_id(f"point-{CELL_IN_THE_PLANE}-1").focus()
+    alone.keyboard.press("Enter")
+    alone.get_by_test_id("point-editor").wait_for()
+    assert_accessible_in_both(alone)
+
+
+def test_a_conflict_of_two_writers_is_told_accessibly(program, flat):
+    database = Database(sqlite_url(program.data / "studio.sqlite"))
+    store = DesignStore(database)
+    design = load_preset("canete-dual-bellows")
+    stored = store.create(Content(design))
+    flat.goto(f"{program.url}/d/{stored.id}")
+    flat.wait_for_function("() => window.__studio?.state?.run")
+    patch = [{"op": "replace", "path": "/vehicle/components/1/position/0", "value": 0.15}]
+    changed = flat.request.post(f"{flat.url.split('?')[0]}edit", data={"patch": patch})
+    assert changed.ok, changed.text()
+    flat.wait_for_function("() => window.__studio.state.origin.changed")
+    theirs = design.model_copy(update={"name": "Theirs"})
+    store.change(stored.id, lambda before: Content(theirs, before.tags), comment="By another")
+    database.close()
+    flat.get_by_test_id("save").click()
+    flat.get_by_test_id("conflict").wait_for()
+    assert_accessible_in_both(flat)
+
+
+def test_the_page_of_a_job_is_accessible(program, page, swept, partial):
+    for job_id in (swept, partial["id"]):
+        opened(page, program, job_id)
+        assert_accessible_in_both(page)
+
+
 def test_a_refused_change_is_told_accessibly(alone):
     origin = "/".join(alone.url.split("/")[:3])
     patch = [{"op": "replace", "path": "/vehicle/components/0/mass", "value": -5}]
-    refused = alone.request.post(f"{alone.url}edit", data={"patch": patch}, headers={"Origin": origin})
+    refused = alone.request.post(f"{alone.url.split('?')[0]}edit", data={"patch": patch}, headers={"Origin": origin})
     assert refused.status == 422
     alone.get_by_test_id("problem").wait_for()
     assert_accessible(alone)
@@ -109,6 +214,36 @@ def test_the_studio_on_a_phone_is_accessible(alone):
     for tab in ("parts", "results", "timeline"):
         alone.get_by_test_id(f"tab-{tab}").click()
         assert_accessible(alone)
+
+
+def test_a_browser_that_cannot_draw_in_3d_is_told_so_and_shows_the_rest(program, page):
+    page.add_init_script(f"({NO_WEBGL})()")
+    viewed: list[str] = []
+    page.on("request", lambda request: viewed.append(request.url) if "/view/" in request.url else None)
+    studio = Timeline.open_preset(page, program.url, "canete-dual-bellows")
+    expect(page.get_by_test_id("no-view")).to_contain_text("cannot draw in 3D")
+    expect(page.locator("#view")).to_be_hidden()
+    expect(page.get_by_test_id("camera-side")).to_be_hidden()
+    page.evaluate("() => window.__studio.clock.seek(5)")
+    studio.wait_until(lambda: studio.readout("speed") > 0.0)
+    assert viewed == [], "nothing is loaded that could not be shown"
+    assert_accessible(page)
+
+
+@pytest.mark.parametrize("preset", ["quad-bellows-spiral", "three-cell-glider"])
+def test_the_force_data_are_named_with_their_range_on_a_small_screen(program, flat, preset):
+    flat.set_viewport_size({"width": 1280, "height": 720})
+    flat.add_init_script(f"({KEEP_SOURCE})()")
+    Timeline.open_preset(flat, program.url, preset)
+    name = flat.evaluate("() => window.__studio.state.hydrodynamics")
+    for lost in (False, True):
+        if lost:
+            flat.evaluate("() => window.__source.dispatchEvent(new Event('error'))")
+            expect(flat.get_by_test_id("status")).to_have_attribute("data-state", "offline")
+        for shown in ("hydrodynamics-source", "hydrodynamics-range", "source-title", "source-range"):
+            assert flat.get_by_test_id(shown).evaluate(IN_VIEW) >= 60.0, shown
+        assert name in (flat.get_by_test_id("hydrodynamics").get_attribute("title") or "")
+        assert flat.get_by_test_id("source-title").get_attribute("title") == name
 
 
 def test_keys_of_all_parts_of_the_page_are_in_its_list(alone):

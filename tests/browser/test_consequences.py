@@ -4,13 +4,24 @@ from __future__ import annotations
 
 import math
 import re
+from typing import cast
 
+import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from models.design import loads_design
-from models.trim import find_trims
+from models.design import Design, loads_design, parse_design
+from models.energy import energy_bill
+from models.mass_properties import mass_balance
+from models.run import Run
+from models.simulate import simulate
+from models.stability import stability_over
+from models.trim import Trim, find_trims
+from models.water import density_at, gravity_of
+from studio.cell_reach import NEAR_STOP
+from tests.browser.panel_page import PanelPage
 from tests.browser.studio_page import StudioPage
+from tests.studio.spiral import ROLL_ANGLE
 
 pytestmark = pytest.mark.browser
 BODY_X = "/vehicle/components/1/position/0"
@@ -31,6 +42,12 @@ HELD = """async ([points, span, extension, duration]) => {
     rising: operation.value.every((p, k) => k === 0 || p.time > operation.value[k - 1].time),
   };
 }"""
+
+
+WITHOUT_UNIT = """() => [...document.querySelectorAll("#pane-readouts .readouts .value")]
+  .filter((node) => node.checkVisibility() && /[0-9]/.test(node.textContent))
+  .filter((node) => !node.parentElement.querySelector(".unit")?.textContent)
+  .map((node) => node.dataset.testid)"""
 
 
 def settled(studio: StudioPage) -> None:
@@ -196,3 +213,152 @@ def test_the_polars_show_the_trims_and_the_run_its_error(studio):
     page.reload()
     StudioPage(page)
     expect(page.get_by_test_id("margins")).to_be_hidden()
+
+
+def shown_trim(studio: PanelPage, design: Design, index: int) -> Trim:
+    """Return the library's trim at what a hold holds, the one that the page tells among several."""
+    hold = studio.page.evaluate(f"() => window.__studio.consequences.holds[{index}]")
+    found = find_trims(design, extensions=hold["extensions"], depth=hold["depth"]).stable
+    return min(found, key=lambda trim: abs(trim.pitch - hold["trim"]["pitch"]) + abs(trim.roll - hold["trim"]["roll"]))
+
+
+def shows_floating(studio: PanelPage, design: Design, held: dict[str, float], cell: str, depth: float) -> None:
+    """Assert that the rows of balance are the library's, `cell` being the one that changes volume."""
+    vehicle, water = design.vehicle, design.mission.environment
+    surroundings = density_at(water.water, depth), gravity_of(water)
+    stops = next(part.stroke for _, part in vehicle.actuated if part.name == cell)
+    balance = mass_balance(vehicle, held)
+    now = balance.net_buoyancy(*surroundings)
+    least, most = sorted(mass_balance(vehicle, held | {cell: stop}).net_buoyancy(*surroundings) for stop in stops)
+    assert studio.readout("held-net-buoyancy") == pytest.approx(now, abs=1e-9)
+    assert studio.readout("reserve-up") == pytest.approx(most - now, abs=1e-9)
+    assert studio.readout("reserve-down") == pytest.approx(now - least, abs=1e-9)
+    share = round(100 * (most - now) / (most - least))
+    expect(studio.page.get_by_test_id("note-reserve-up")).to_have_text(f"{share} % of the stroke")
+    offset = balance.center_of_mass - balance.center_of_buoyancy
+    for axis, row in enumerate(("com-ahead-of-cob", "com-starboard-of-cob", "com-below-cob")):
+        assert studio.readout(row) == pytest.approx(offset[axis], abs=1e-12)
+
+
+def shows_margins(studio: PanelPage, run: Run, at: int) -> None:
+    """Assert that margins at the clock, and the least of the run and when it is, are the library's."""
+    stability = stability_over(run, 1)
+    for row, values, per, unit in (
+        ("margin-pitch-stiffness", stability.pitch_stiffness, 1e3, "mm"),
+        ("margin-roll-stiffness", stability.roll_stiffness, 1e3, "mm"),
+        ("margin-pitch", stability.pitch_margin, 1e2, "% L"),
+        ("margin-yaw", stability.yaw_margin, 1e2, "% L"),
+    ):
+        assert studio.readout(row) == pytest.approx(values[at], rel=1e-5)
+        note = studio.page.get_by_test_id(f"note-{row}")
+        told = re.fullmatch(r"least (\S+) (.+) at (\S+) s", (note.text_content() or "").replace("\u2212", "-"))
+        assert told is not None and told[2] == unit, note.text_content()
+        assert float(told[1]) == pytest.approx(per * np.nanmin(values), abs=0.006)
+        assert float(told[3]) == pytest.approx(run.times[np.nanargmin(values)], abs=0.06)
+
+
+def test_every_consequence_is_the_number_of_the_library(spatial):
+    page = spatial.page
+    spatial.edit({"op": "replace", "path": "/mission/initial/extensions", "value": {"Battery": ROLL_ANGLE}})
+    settled(spatial)
+    stop_at(spatial, 16.0)
+    design = parse_design(spatial.document())
+    run, held = simulate(design), page.evaluate("() => window.__studio.consequences.holds[1].extensions")
+    trim = shown_trim(spatial, design, 1)
+    expect(page.locator("#trim-title")).to_have_text("Trim, held 2–20 s")
+    assert spatial.readout("trim-sink-rate") == pytest.approx(trim.sink_rate, rel=1e-6)
+    assert spatial.readout("trim-glide-ratio") == pytest.approx(trim.glide_ratio, rel=1e-6)
+    assert trim.turn_radius is not None
+    assert spatial.readout("trim-turn-radius") == pytest.approx(trim.turn_radius, rel=1e-6)
+    shows_floating(spatial, design, held, "Engine", trim.depth)
+    at = int(np.searchsorted(run.times, 16.0 - 1e-9))
+    shows_margins(spatial, run, at)
+    bill = energy_bill(run)
+    assert bill is not None and bill.whole.per_km is not None
+    assert spatial.readout("energy-per-km") == pytest.approx(bill.whole.per_km, rel=1e-6)
+    assert spatial.readout("energy-whole") == pytest.approx(bill.whole.total, rel=1e-6)
+    for k, (_, part) in enumerate(design.vehicle.actuated):
+        share = (run.cell_values["extension"][:, k] - part.stroke[0]) / (part.stroke[1] - part.stroke[0])
+        nearest = np.minimum(share, 1.0 - share).min()
+        side = "lower" if share.min() < 1.0 - share.max() else "upper"
+        row = page.get_by_test_id(f"reach-{part.name}")
+        expect(row).to_contain_text(f"{100 * nearest:.1f} % of the stroke from its {side} stop")
+    assert page.evaluate(WITHOUT_UNIT) == ["readout-trim-glide-ratio"]
+
+
+def test_near_a_stop_means_one_thing(panel):
+    page = panel.page
+    settled(panel)
+    group, title = page.locator("#reach-group"), page.locator("#reach-title")
+    hatch = page.get_by_test_id("lane-Front bellows").locator(".near-stop")
+    expect(title).to_have_text("Stops")
+    assert group.get_attribute("open") is None
+    stop = panel.state("s.components[1].extension_max")
+    low = panel.state("s.components[1].extension_min")
+
+    def ask(share: float) -> None:
+        value = stop - share * (stop - low)
+        panel.edit({"op": "replace", "path": "/mission/control/schedules/0/points/1/extension", "value": value})
+
+    warning = page.get_by_test_id("warnings").locator("details", has_text="its upper stop")
+    ask(1.2 * NEAR_STOP)
+    settled(panel)
+    expect(hatch).to_have_attribute("d", "")
+    expect(title).to_have_text("Stops")
+    expect(warning).to_have_count(0)
+    ask(0.8 * NEAR_STOP)
+    expect(hatch).to_have_attribute("d", re.compile("^M"))
+    expect(title).to_have_text("Stops, 1 near")
+    expect(group).to_have_attribute("open", "")
+    warning.locator("summary").click()
+    expect(warning).to_contain_text(f"comes within {80 * NEAR_STOP:.2g} % of its stroke of its upper stop")
+    expect(warning).to_have_attribute("data-severity", "note")
+    warning.locator(".time-link").first.click()
+    assert page.evaluate("() => window.__studio.clock.t") == pytest.approx(10.0, abs=0.2)
+    warning.get_by_role("button", name=re.compile("Show Front bellows: stroke")).click()
+    page.wait_for_function("() => document.querySelector('#parts').contains(document.activeElement)")
+    # what was folded by hand stays so; what opened by itself is not remembered
+    assert page.evaluate("() => localStorage.getItem('glider-studio.groups')?.includes('reach') ?? false") is False
+    group.locator("summary").click()
+    ask(0.0)
+    expect(warning).to_have_count(1)
+    expect(warning).to_contain_text("is at its upper stop")
+    assert group.get_attribute("open") is None
+
+
+def test_what_is_left_out_is_told(panel):
+    page = panel.page
+    high = panel.state("s.components[1].extension_max")
+    many = [{"time": k + 0.5 * back, "extension": 0.002 if back else high} for k in range(20) for back in (0, 1)]
+    path = "/mission/control/schedules/0/points"
+    panel.edit({"op": "replace", "path": path, "value": many})
+    visits = math.ceil(cast(float, panel.state("s.run.columns.t.at(-1)")))  # it may surface before the end
+    assert visits > 12
+    expect(page.locator(".doubt[aria-label*='at its upper stop']")).to_have_count(visits)
+    warning = page.get_by_test_id("warnings").locator("details", has_text="is at its upper stop")
+    warning.locator("summary").click()
+    expect(warning.locator(".when")).to_have_text(re.compile(rf"and {visits - 4} more$"))
+    stairs = [{"time": 2.0 * k, "extension": 0.01 + 0.001 * k} for k in range(8)]
+    panel.edit({"op": "replace", "path": path, "value": stairs})
+    settled(panel)
+    message = page.get_by_test_id("held-message")
+    stop_at(panel, 5.0)
+    expect(message).to_contain_text("shorter holds are not told")
+    expect(message).not_to_contain_text("What is held now")
+    stop_at(panel, 11.0)
+    expect(message).to_contain_text("What is held now is shorter than the holds told: shown is the one held")
+    expect(page.locator("#energy-message")).to_contain_text("The planar model keeps no account of the battery")
+
+
+def test_the_energy_residual_says_of_what_it_is(panel):
+    page = panel.page
+    unit = page.get_by_test_id("readout-energy-residual").locator("xpath=following-sibling::*")
+    expect(unit).to_have_text("rel.")
+    page.get_by_test_id("estimate").click()
+    expect(page.locator("#error-text")).to_have_text(re.compile(r"of the energy exchanged\.$"))
+    panel.edit(
+        {"op": "replace", "path": "/mission/control/schedules", "value": []},
+        {"op": "replace", "path": "/mission/initial/extensions", "value": {}},
+        {"op": "replace", "path": "/mission/environment/gravity", "value": 0.0},
+    )
+    expect(unit).to_have_text("J")  # nothing was exchanged that it could be a share of

@@ -43,6 +43,32 @@ def test_another_unit_changes_what_is_shown_and_nothing_else(panel):
     expect(panel.box("Position x")).to_have_value("16.00")
 
 
+def test_units_of_mass_volume_angle_and_pressure_reach_the_document_in_si(panel):
+    part = ("vehicle", "components", 1)
+    panel.edit(  # the planar model knows no compression
+        {"op": "replace", "path": "/mission/solver/model", "value": "spatial"},
+        {"op": "replace", "path": "/vehicle/components/1/bulk_modulus", "value": 2.5e9},
+    )
+    panel.open_section("start")
+    panel.page.get_by_test_id("group-Volume in detail").locator("summary").first.click()
+    for label, first, typed, si, other, shown, suffixed, converted, path in (
+        ("Mass", "g", "31.5", 0.0315, "kg", "0.0315", "32 g", 0.032, (*part, "mass")),
+        ("Fixed volume", "cm³", "125.5", 1.255e-4, "dm³", "0.1255", "130 cm3", 1.3e-4, (*part, "fixed_volume")),
+        ("Pitch", "°", "12", math.radians(12.0), "rad", "0.2094395", "9 deg", math.radians(9.0),
+         ("mission", "initial", "pitch")),
+        ("Bulk modulus", "kPa", "2000000", 2e9, "MPa", "2000.0000", "3e6 kPa", 3e9, (*part, "bulk_modulus")),
+    ):  # fmt: skip
+        unit = panel.row(label).get_by_role("combobox", name=f"Unit of {label}")
+        assert unit.locator("option:checked").inner_text() == first, label
+        panel.type_number(label, typed)
+        panel.wait_until(lambda path=path, si=si: panel.at(*path) == pytest.approx(si, rel=1e-9))
+        unit.select_option(label=other)
+        expect(panel.box(label)).to_have_value(shown)
+        assert panel.at(*path) == pytest.approx(si, rel=1e-9), "another unit is another view of it"
+        panel.type_number(label, suffixed)
+        panel.wait_until(lambda path=path, si=converted: panel.at(*path) == pytest.approx(si, rel=1e-9))
+
+
 def test_leaving_a_box_untouched_changes_nothing(panel):
     exact = 0.123456789012
     panel.edit({"op": "replace", "path": "/vehicle/components/1/position/0", "value": exact})

@@ -3,25 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import expect
 
-from tests.browser.conftest import Program
-from tests.browser.jobs_support import (
-    SLIGHTLY,
-    Api,
-    api_of,
-    batch,
-    opened,
-    partial_job,
-    row,
-    swept_job,
-    watching,
-)
+from tests.browser.jobs_support import SLIGHTLY, batch, opened, row
 
 pytestmark = pytest.mark.browser
 
@@ -35,28 +22,6 @@ VARIABLE = """name => {
 }"""
 SHOWN = "v => window.__job.get('table').scale('range').show(v)"
 SPREAD = "async values => (await import('../static/jobspread.js')).spreadOf(values)"
-
-
-@pytest.fixture(scope="module")
-def api(program: Program) -> Iterator[Api]:
-    with api_of(program) as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def swept(api: Api) -> str:
-    return swept_job(api, "A sweep with figures")
-
-
-@pytest.fixture(scope="module")
-def partial(api: Api) -> dict[str, Any]:
-    return partial_job(api)
-
-
-@pytest.fixture
-def watched(page: Page) -> Iterator[Page]:
-    with watching(page) as found:
-        yield found
 
 
 def test_the_figures_of_the_spread_follow_a_brush(program, watched, api, swept):

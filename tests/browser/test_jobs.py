@@ -3,26 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.browser.conftest import Program
-from tests.browser.jobs_support import (
-    FRONT,
-    SLIGHTLY,
-    Api,
-    api_of,
-    opened,
-    partial_job,
-    row,
-    sweep,
-    swept_job,
-    wait_until,
-    watching,
-)
+from tests.browser.jobs_support import FRONT, SLIGHTLY, opened, row, sweep, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -31,28 +16,6 @@ CHARTS_FIT = """() => [...document.querySelectorAll(".plot .main-svg")].every((s
   const [chart, box] = [svg.getBoundingClientRect(), svg.closest(".plot").getBoundingClientRect()];
   return Math.abs(chart.height - box.height) <= 1 && Math.abs(chart.width - box.width) <= 1;
 })"""
-
-
-@pytest.fixture(scope="module")
-def api(program: Program) -> Iterator[Api]:
-    with api_of(program) as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def swept(api: Api) -> str:
-    return swept_job(api, "A sweep that succeeds")
-
-
-@pytest.fixture(scope="module")
-def partial(api: Api) -> dict[str, Any]:
-    return partial_job(api)
-
-
-@pytest.fixture
-def watched(page: Page) -> Iterator[Page]:
-    with watching(page) as found:
-        yield found
 
 
 def test_list_and_page_follow_a_job_live_until_it_is_cancelled(program, watched, api, swept):

@@ -66,18 +66,18 @@ def test_playing_moves_the_glider_and_the_readouts(studio):
     assert page.evaluate("() => window.__studio.clock.t") == time
 
 
-def test_typing_a_position_moves_the_cell_and_changes_the_glide(studio):
-    before = studio.readout("end-depth")
-    studio.type_number("Position x", 150)
-    after = studio.wait_for_change("end-depth", before)
-    document = json.loads(saved_design(studio))
+def test_typing_a_position_moves_the_cell_and_changes_the_glide(panel):
+    before = panel.readout("end-depth")
+    panel.type_number("Position x", 150)
+    after = panel.wait_for_change("end-depth", before)
+    document = json.loads(saved_design(panel))
     assert document["vehicle"]["components"][1]["position"][0] == pytest.approx(0.150)
     assert after == pytest.approx(end_depth(json.dumps(document)), abs=1e-6)
 
 
-def test_dragging_the_slider_changes_the_glide_on_the_way(studio):
-    page, before = studio.page, studio.readout("end-depth")
-    thumb = studio.row("Position x").get_by_role("slider").first
+def test_dragging_the_slider_changes_the_glide_on_the_way(panel):
+    page, before = panel.page, panel.readout("end-depth")
+    thumb = panel.row("Position x").get_by_role("slider").first
     box = thumb.bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
@@ -86,44 +86,44 @@ def test_dragging_the_slider_changes_the_glide_on_the_way(studio):
     for k in range(12):
         page.mouse.move(x - 2 * k, y)
         page.wait_for_timeout(120)
-        seen.add(studio.readout("end-depth"))
+        seen.add(panel.readout("end-depth"))
     page.mouse.up()
-    studio.wait_for_change("end-depth", before)
+    panel.wait_for_change("end-depth", before)
     assert len(seen) >= 3, "the glide should have changed while the mouse was down"
-    assert json.loads(saved_design(studio))["vehicle"]["components"][1]["position"][0] < 0.180
+    assert json.loads(saved_design(panel))["vehicle"]["components"][1]["position"][0] < 0.180
 
 
-def test_changing_the_schedule_changes_the_end_depth(studio):
-    page, before = studio.page, studio.readout("end-depth")
+def test_changing_the_schedule_changes_the_end_depth(panel):
+    page, before = panel.page, panel.readout("end-depth")
     page.get_by_test_id("point-Front bellows-1").click()
     box = page.get_by_test_id("point-extension")
     box.fill("16.8")
     page.get_by_test_id("point-apply").click()
-    after = studio.wait_for_change("end-depth", before)
+    after = panel.wait_for_change("end-depth", before)
     assert after > before  # less buoyancy at the end: it climbs less
-    points = json.loads(saved_design(studio))["mission"]["control"]["schedules"][0]["points"]
+    points = json.loads(saved_design(panel))["mission"]["control"]["schedules"][0]["points"]
     assert points[1]["extension"] == pytest.approx(0.0168)
 
 
-def test_a_bad_number_says_what_is_wrong_and_keeps_the_last_glide(studio):
-    before, saved = studio.readout("end-depth"), saved_design(studio)
-    studio.type_number("Mass", -5)
-    problem = studio.page.get_by_test_id("problem")
+def test_a_bad_number_says_what_is_wrong_and_keeps_the_last_glide(panel):
+    before, saved = panel.readout("end-depth"), saved_design(panel)
+    panel.type_number("Mass", -5)
+    problem = panel.page.get_by_test_id("problem")
     expect(problem).to_be_visible()
     expect(problem).to_contain_text("at least 0")
-    assert studio.readout("end-depth") == before
-    assert saved_design(studio) == saved
+    assert panel.readout("end-depth") == before
+    assert saved_design(panel) == saved
 
 
-@pytest.mark.parametrize("nonsense", ["0x10", "12 ft", "abc"])
-def test_what_is_no_number_stays_in_its_box_beside_the_message(studio, nonsense):
-    before, saved = studio.readout("end-depth"), saved_design(studio)
-    studio.type_number("Position x", nonsense)
-    expect(studio.row("Position x").get_by_role("alert")).to_contain_text("is no number")
-    assert studio.box("Position x").input_value() == nonsense
-    assert studio.readout("end-depth") == before and saved_design(studio) == saved
-    studio.box("Position x").press("Escape")
-    assert studio.box("Position x").input_value() == "180.0"
+def test_what_is_no_number_stays_in_its_box_beside_the_message(panel):
+    before, saved = panel.readout("end-depth"), saved_design(panel)
+    for nonsense in ("0x10", "12 ft", "abc"):
+        panel.type_number("Position x", nonsense)
+        expect(panel.row("Position x").get_by_role("alert")).to_contain_text(f"‘{nonsense}’ is no number")
+        assert panel.box("Position x").input_value() == nonsense
+        assert panel.readout("end-depth") == before and saved_design(panel) == saved
+        panel.box("Position x").press("Escape")
+        assert panel.box("Position x").input_value() == "180.0"
 
 
 def test_adding_and_removing_a_cell(studio):
@@ -136,38 +136,41 @@ def test_adding_and_removing_a_cell(studio):
     studio.wait_until(lambda: len(studio.state("s.components")) == count)
 
 
-def test_undo_and_redo(studio):
-    before = studio.readout("end-depth")
-    studio.type_number("Position x", 120)
-    changed = studio.wait_for_change("end-depth", before)
-    studio.page.get_by_test_id("undo").click()
-    assert studio.wait_for_change("end-depth", changed) == before
-    studio.page.get_by_test_id("redo").click()
-    assert studio.wait_for_change("end-depth", before) == changed
+def test_undo_and_redo(panel):
+    before = panel.readout("end-depth")
+    panel.type_number("Position x", 120)
+    changed = panel.wait_for_change("end-depth", before)
+    panel.page.get_by_test_id("undo").click()
+    assert panel.wait_for_change("end-depth", changed) == before
+    panel.page.get_by_test_id("redo").click()
+    assert panel.wait_for_change("end-depth", before) == changed
 
 
-def test_a_restart_restores_the_session(program, studio):
+def test_a_page_comes_back_by_itself_after_a_restart(program, studio):
     before = studio.readout("end-depth")
     studio.type_number("Position x", 140)
     changed = studio.wait_for_change("end-depth", before)
-    studio.page.wait_for_timeout(500)
-    program.stop()
+    program.stop()  # which saves
+    expect(studio.page.locator("#lost")).to_be_visible()
     program.start()
-    studio.page.goto(studio.url)
-    again = StudioPage(studio.page)
-    assert again.readout("end-depth") == changed
+    expect(studio.page.locator("#status")).to_have_text("Ready", timeout=30_000)
+    expect(studio.page.locator("#lost")).to_be_hidden(timeout=60_000)
+    assert studio.readout("end-depth") == changed
+    studio.type_number("Position x", 160)
+    assert studio.wait_for_change("end-depth", changed) != before
+    studio.scene("() => '/glider' in window.__viserSceneTree.getState()")
 
 
-def test_a_saved_file_opens_as_the_same_glide(program, studio, page, tmp_path):
-    document = json.loads(saved_design(studio))
+def test_a_saved_file_opens_as_the_same_glide(panel, tmp_path):
+    document = json.loads(saved_design(panel))
     document["name"] = "Reopened"
     document["mission"]["duration"] = 12.0
     path = tmp_path / "design.json"
     path.write_text(json.dumps(document))
-    page.get_by_test_id("open-file").set_input_files(path)
-    studio.wait_until(lambda: studio.state("s.name") == "Reopened")
-    studio.wait_until(lambda: studio.state("s.run && s.run.columns.t.at(-1)") == 12.0)
-    assert studio.readout("end-depth") == pytest.approx(end_depth(path.read_text()), abs=1e-6)
+    panel.page.get_by_test_id("open-file").set_input_files(path)
+    panel.wait_until(lambda: panel.state("s.name") == "Reopened")
+    panel.wait_until(lambda: panel.state("s.run && s.run.columns.t.at(-1)") == 12.0)
+    assert panel.readout("end-depth") == pytest.approx(end_depth(path.read_text()), abs=1e-6)
 
 
 def test_the_nose_points_down_on_screen_when_pitch_is_negative(studio):

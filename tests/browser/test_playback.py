@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ import pytest
 from imageio.v3 import imread
 from playwright.sync_api import Browser, Page, expect
 
+from tests.browser.panel_page import PanelPage
 from tests.browser.studio_page import StudioPage
 
 pytestmark = pytest.mark.browser
@@ -33,9 +34,9 @@ def pressed(page: Page, key: str) -> None:
     page.keyboard.press(key)
 
 
-def test_the_clock_steps_from_sample_to_sample_by_keys_and_buttons(studio):
-    page = studio.page
-    times = studio.state("s.run.columns.t")
+def test_the_clock_steps_from_sample_to_sample_by_keys_and_buttons(panel):
+    page = panel.page
+    times = panel.state("s.run.columns.t")
     seek(page, times[10])
     page.get_by_test_id("step-on").click()
     assert clock(page, "t") == times[11]
@@ -47,8 +48,8 @@ def test_the_clock_steps_from_sample_to_sample_by_keys_and_buttons(studio):
     assert clock(page, "t") == times[5]
 
 
-def test_a_range_is_played_and_looped_and_its_bounds_follow_the_keys(studio):
-    page = studio.page
+def test_a_range_is_played_and_looped_and_its_bounds_follow_the_keys(panel):
+    page = panel.page
     seek(page, 4.0)
     pressed(page, "i")
     seek(page, 5.0)
@@ -70,8 +71,8 @@ def test_a_range_is_played_and_looped_and_its_bounds_follow_the_keys(studio):
     assert page.evaluate(f"() => {CLOCK}.range") is None
 
 
-def test_speed_is_a_hundred_times_and_a_tenth(studio):
-    page = studio.page
+def test_speed_is_a_hundred_times_and_a_tenth(panel):
+    page = panel.page
     for speed in ("100", "0.1"):
         page.get_by_test_id("speed").select_option(speed)
         assert clock(page, "speed") == float(speed)
@@ -83,8 +84,8 @@ def test_speed_is_a_hundred_times_and_a_tenth(studio):
     assert 0.0 < t <= 0.1 * passed + 1e-6
 
 
-def test_bookmarks_are_named_jumped_to_and_remembered(studio):
-    page = studio.page
+def test_bookmarks_are_named_jumped_to_and_remembered(panel):
+    page = panel.page
     seek(page, 3.0)
     pressed(page, "b")
     page.keyboard.type("Bottom")
@@ -101,8 +102,8 @@ def test_bookmarks_are_named_jumped_to_and_remembered(studio):
     assert clock(page, "t") == 3.0
     pressed(page, "]")
     assert clock(page, "t") == 8.0
-    page.goto(studio.url)
-    StudioPage(page)
+    page.goto(panel.url)
+    PanelPage(page)
     expect(page.get_by_test_id("bookmark-count")).to_have_text("2")
     page.get_by_test_id("bookmarks").click()
     expect(page.get_by_test_id("bookmark-name-0")).to_have_value("Bottom")
@@ -112,21 +113,17 @@ def test_bookmarks_are_named_jumped_to_and_remembered(studio):
     expect(page.get_by_test_id("bookmark-count")).to_have_text("1")
 
 
-def test_keys_typed_into_a_field_stay_there(studio):
-    page = studio.page
+def test_keys_typed_into_a_field_or_the_list_of_keys_stay_there(panel):
+    page = panel.page
     seek(page, 5.0)
     page.get_by_test_id("rename").click()
     page.get_by_test_id("rename-field").fill("")
     page.keyboard.type("k b i o ? .")
     page.keyboard.press("Enter")
-    studio.wait_until(lambda: studio.state("s.name") == "k b i o ? .")
+    panel.wait_until(lambda: panel.state("s.name") == "k b i o ? .")
     expect(page.get_by_test_id("name")).to_have_text("k b i o ? .")
     assert clock(page, "t") == 5.0
-    assert studio.state("s.kept") == []
-
-
-def test_the_list_of_keys_opens_and_closes(studio):
-    page = studio.page
+    assert panel.state("s.kept") == []
     pressed(page, "?")
     keys = page.get_by_test_id("keys")
     expect(keys).to_be_visible()
@@ -135,6 +132,7 @@ def test_the_list_of_keys_opens_and_closes(studio):
     page.keyboard.press("Space")  # the dialog's own: the glide stays where it is
     page.keyboard.press("Escape")
     expect(keys).to_be_hidden()
+    assert clock(page, "t") == 5.0 and not clock(page, "playing")
 
 
 def hide_the_hook(page: Page) -> None:
@@ -211,33 +209,33 @@ def test_the_picture_shows_the_view(studio, tmp_path):
     assert (picture[..., 0] > picture[..., 2]).mean() > 1e-3, "nothing in the picture is warmer than water"
 
 
-def test_the_glide_comes_as_csv_and_netcdf(studio, tmp_path):
-    text = downloaded(studio.page, "export-csv", tmp_path).read_text()
+def test_the_glide_comes_as_csv_and_netcdf(panel, tmp_path):
+    text = downloaded(panel.page, "export-csv", tmp_path).read_text()
     assert text.count("\n") > 100
-    assert downloaded(studio.page, "export-nc", tmp_path).read_bytes()[:4] == b"\x89HDF"
+    assert downloaded(panel.page, "export-nc", tmp_path).read_bytes()[:4] == b"\x89HDF"
 
 
-def test_glides_are_kept_named_referred_to_and_deleted(studio):
-    page = studio.page
+def test_glides_are_kept_named_referred_to_and_deleted(panel):
+    page = panel.page
     page.get_by_test_id("compare").click()
     page.get_by_test_id("keep-name").fill("As published")
     page.get_by_test_id("keep").click()
-    studio.wait_until(lambda: [k["name"] for k in studio.state("s.kept")] == ["As published"])
-    kept = studio.state("s.kept[0].id")
+    panel.wait_until(lambda: [k["name"] for k in panel.state("s.kept")] == ["As published"])
+    kept = panel.state("s.kept[0].id")
     # the first one kept is the reference without more ado
-    studio.wait_until(lambda: page.evaluate("() => window.__studio.view.ghost") == kept)
+    panel.wait_until(lambda: page.evaluate("() => window.__studio.view.ghost") == kept)
     name = page.get_by_test_id(f"kept-name-{kept}")
     name.fill("Before")
     name.press("Enter")
-    studio.wait_until(lambda: studio.state("s.kept[0].name") == "Before")
+    panel.wait_until(lambda: panel.state("s.kept[0].name") == "Before")
     for _ in range(3):
         page.get_by_test_id("keep").click()
         page.wait_for_timeout(150)
-    studio.wait_until(lambda: len(studio.state("s.kept")) == 4)
+    panel.wait_until(lambda: len(panel.state("s.kept")) == 4)
     expect(page.get_by_test_id("keep")).to_be_disabled()
     page.get_by_test_id(f"forget-{kept}").click()
-    studio.wait_until(lambda: len(studio.state("s.kept")) == 3)
-    studio.wait_until(lambda: page.evaluate("() => window.__studio.view.ghost") is None)
+    panel.wait_until(lambda: len(panel.state("s.kept")) == 3)
+    panel.wait_until(lambda: page.evaluate("() => window.__studio.view.ghost") is None)
 
 
 def test_light_and_dark_are_chosen_and_remembered(studio):
@@ -253,8 +251,8 @@ def test_light_and_dark_are_chosen_and_remembered(studio):
     assert page.evaluate(scheme) == ["light", color]
 
 
-def test_columns_are_resized_by_pointer_and_keys_and_remembered(studio):
-    page = studio.page
+def test_columns_are_resized_by_pointer_and_keys_and_remembered(panel):
+    page = panel.page
     border, parts = page.get_by_test_id("split-left"), page.get_by_test_id("parts")
     before = parts.bounding_box()["width"]
     box = border.bounding_box()
@@ -265,18 +263,17 @@ def test_columns_are_resized_by_pointer_and_keys_and_remembered(studio):
     assert parts.bounding_box()["width"] == pytest.approx(before + 60, abs=2)
     border.press("ArrowLeft")
     assert parts.bounding_box()["width"] == pytest.approx(before + 44, abs=2)
-    page.goto(studio.url)
-    StudioPage(page)
+    page.goto(panel.url)
+    PanelPage(page)
     assert parts.bounding_box()["width"] == pytest.approx(before + 44, abs=2)
     border.dblclick()
     assert parts.bounding_box()["width"] == pytest.approx(before, abs=2)
 
 
-@pytest.mark.parametrize(("width", "height"), [(1280, 720), (1400, 900)])
-def test_nothing_in_the_header_or_transport_wraps_or_overlaps(studio, width, height):
-    page = studio.page
-    page.set_viewport_size({"width": width, "height": height})
-    for bar in (".top", ".transport"):
+def test_nothing_in_the_header_or_transport_wraps_or_overlaps(panel):
+    page = panel.page
+    for (width, height), bar in product([(1280, 720), (1400, 900)], (".top", ".transport")):
+        page.set_viewport_size({"width": width, "height": height})
         boxes = page.evaluate(
             "bar => [...document.querySelector(bar).children]"
             ".map(c => [c.id || c.textContent, c.getBoundingClientRect()])"
@@ -287,12 +284,12 @@ def test_nothing_in_the_header_or_transport_wraps_or_overlaps(studio, width, hei
             assert right <= left + 0.5, f"{name} runs into {following} at {width} px"
             assert high <= 40, f"{name} wraps at {width} px"
         assert boxes[-1][2] <= width
-    expect(page.get_by_test_id("hydrodynamics-range")).to_be_in_viewport()
-    assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+        expect(page.get_by_test_id("hydrodynamics-range")).to_be_in_viewport()
+        assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
 
 
-def test_on_a_phone_the_panels_take_turns(studio):
-    page = studio.page
+def test_on_a_phone_the_panels_take_turns(panel):
+    page = panel.page
     page.set_viewport_size({"width": 390, "height": 844})
     for tab, shown, hidden in (("parts", "parts", "now"), ("results", "now", "parts"), ("timeline", "scrub", "now")):
         page.get_by_test_id(f"tab-{tab}").click()
@@ -302,9 +299,9 @@ def test_on_a_phone_the_panels_take_turns(studio):
         assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
 
 
-def test_the_hydrodynamic_source_is_named_with_its_range(studio):
-    document = json.loads(studio.page.request.get(studio.url.split("?")[0] + "design.json").text())
+def test_the_hydrodynamic_source_is_named_with_its_range(panel):
+    document = json.loads(panel.page.request.get(panel.url.split("?")[0] + "design.json").text())
     speeds = document["vehicle"]["hydrodynamics"]["row_speed"]
-    expect(studio.page.get_by_test_id("hydrodynamics-range")).to_have_text(
+    expect(panel.page.get_by_test_id("hydrodynamics-range")).to_have_text(
         f"α ±90°, {min(speeds):g}–{max(speeds):g} m/s"
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -17,6 +18,8 @@ from models.simulate import simulate
 from studio.attitude import attitude_at, rotate
 from studio.bodies import breath
 from studio.path_colors import scale_of
+from studio.scene import vehicle_length
+from studio.view import FOG
 from tests.browser.studio_page import StudioPage
 from tests.studio.spiral import spiral_document
 
@@ -111,6 +114,25 @@ def test_the_path_has_the_colours_of_its_legend(studio):
         assert float(low) == pytest.approx(factor * scale.low, abs=0.06 * abs(factor * (scale.high - scale.low)))
     page.get_by_test_id("color-by").select_option("none")
     expect(page.locator("#path-scale")).to_be_hidden()
+
+
+LEGEND = """async ([low, high, below, above]) => {
+  const { pathLegend } = await import("/static/pathlegend.js");
+  const path = { label: "Speed", unit: "m/s", low, high, below, above };
+  const legend = pathLegend({ path, path_colors: [] });
+  return [legend.low, legend.unit, legend.high];
+}"""
+
+
+def test_a_path_of_one_value_says_it_once(panel):
+    def told(*path: object) -> Any:
+        return panel.page.evaluate(LEGEND, list(path))
+
+    assert told(0.3, 0.5, True, False) == ["≤ 0.300", "m/s", "0.500"]
+    assert told(0.49017, 0.49017, False, False) == ["0.490 m/s", "", "all along"]
+    steady = 0.49017, 0.49017 + 1e-9
+    assert told(*steady, False, False) == ["0.490 m/s", "", "all along"]
+    assert told(*steady, True, True) == ["0.490 m/s", "", "but for outliers"]
 
 
 def test_the_offset_of_the_centres_is_drawn_to_scale_and_told_in_millimetres(studio):
@@ -253,6 +275,21 @@ def test_a_low_scene_begins_with_its_legend_in_one_row(studio):
     expect(lift).to_be_visible()
 
 
+PANEL = re.compile("connected|connecting|ws://|save canvas|reset view|dev settings|scene tree", re.IGNORECASE)
+"""What stands on the control panel of Viser's client."""
+
+
+@pytest.mark.parametrize("width", [390, 1024, 1400])
+def test_nothing_of_the_viewers_own_panel_lies_over_the_scene(studio, width):
+    page = studio.page
+    page.set_viewport_size({"width": width, "height": 844})
+    page.reload()
+    studio.scene("() => window.__viserMutable?.canvas && window.__viserSceneTree.getState()['/glider']")
+    words = view_of(page).get_by_text(PANEL)
+    studio.wait_until(lambda: words.count() >= 3)
+    studio.wait_until(lambda: all(words.nth(k).bounding_box() is None for k in range(words.count())))
+
+
 def test_keys_choose_where_to_look_from(studio):
     page = studio.page
     for key, camera in (("2", "top"), ("5", "overview"), ("4", "free"), ("3", "chase"), ("1", "side")):
@@ -283,6 +320,40 @@ def test_a_kept_glide_flies_along_as_a_ghost(studio):
     page.get_by_test_id("display").click()
     page.get_by_test_id("ghost").select_option("")
     studio.scene("() => !('/ghost/silhouette' in window.__viserSceneTree.getState())")
+
+
+def test_the_keys_of_the_scene_are_listed_and_move_the_camera(studio):
+    page = studio.page
+    page.keyboard.press("?")
+    keys = (
+        page.get_by_test_id("keys").locator("section").filter(has=page.get_by_role("heading", name="Scene", exact=True))
+    )
+    for words in ("Shift + drag", "Ctrl + drag", "Alt + drag", "W / A / S / D / Q / E", "← / → / ↑ / ↓"):
+        expect(keys.locator("dt", has_text=words)).to_have_count(1)
+    page.get_by_test_id("keys-close").click()
+
+    def place() -> list[float]:
+        found: list[float] = view_of(page).evaluate("() => window.__viserMutable.camera.position.toArray()")
+        return found
+
+    view_of(page).locator("canvas").first.focus()
+    view_of(page).evaluate("() => window.focus()")
+    for key in ("w", "d", "e", "ArrowUp"):
+        before = place()
+        page.keyboard.down(key)
+        studio.wait_until(lambda was=before: place() != pytest.approx(was, abs=1e-3))
+        page.keyboard.up(key)
+
+
+def test_water_and_current_are_in_the_scene(program, page):
+    document = load_preset("quad-bellows-heading").model_dump(mode="json")
+    document["mission"]["duration"] = 20.0
+    studio = StudioPage.open_document(page, program.url, document)
+    for name in ("surface", "surface_grid", "current"):
+        studio.scene(f"() => window.__viserMutable.nodeRefFromName['/world/{name}']?.visible")
+    length = vehicle_length(load_preset("quad-bellows-heading"))
+    near, far = view_of(page).evaluate("() => (({ near, far }) => [near, far])(window.__viserMutable.scene.fog)")
+    assert (near, far) == pytest.approx((FOG[0] * length, FOG[1] * length))
 
 
 def pull(studio: StudioPage, index: int, across: float, *, during: Callable[[], None] = lambda: None) -> None:

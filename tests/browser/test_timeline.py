@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Page, expect
 
 from models.presets import load_preset
-from tests.browser.studio_page import StudioPage
+from tests.browser.timeline_page import Timeline, center
 
 pytestmark = pytest.mark.browser
 
@@ -33,53 +32,6 @@ SAME_COMMAND = """async ([name, by, wrap]) => {
 }"""
 
 
-class Timeline(StudioPage):
-    """The page of a session, of which only the timeline is waited for."""
-
-    def wait_for_glide(self) -> None:
-        self.page.wait_for_function("() => window.__studio?.state?.run && window.__studio.timeline.lanes.list.length")
-
-    def points(self, cell: str) -> list[dict[str, Any]]:
-        found: list[dict[str, Any]] = self.page.evaluate(
-            "name => window.__studio.state.schedules.find(s => s.cell === name).points", cell
-        )
-        return found
-
-    def times(self, cell: str) -> list[float]:
-        return [point["time"] for point in self.points(cell)]
-
-    def point(self, cell: str, k: int) -> Locator:
-        return self.page.get_by_test_id(f"point-{cell}-{k}")
-
-    def scale(self, expression: str) -> Any:
-        return self.page.evaluate(f"() => (s => {expression})(window.__studio.timeline.scale)")
-
-    def place(self, where: Locator, t: float, share: float = 0.5) -> tuple[float, float]:
-        """Return where on the screen a time is in a lane or plot."""
-        box = where.bounding_box()
-        assert box is not None
-        return box["x"] + self.scale(f"s.x({t})"), box["y"] + share * box["height"]
-
-    def drag(self, start: tuple[float, float], by: tuple[float, float], steps: int = 6) -> None:
-        self.page.mouse.move(*start)
-        self.page.mouse.down()
-        self.page.mouse.move(start[0] + by[0], start[1] + by[1], steps=steps)
-        self.page.mouse.up()
-
-    def lane(self, cell: str) -> Locator:
-        return self.page.get_by_test_id(f"lane-{cell}").locator("svg.lane")
-
-    def chosen(self) -> int:
-        return int(self.page.evaluate("() => window.__studio.timeline.lanes.selection.size"))
-
-    def settled(self, condition: str) -> None:
-        self.page.wait_for_function(f"() => (s => {condition})(window.__studio.state)")
-
-    def menu(self, cell: str, item: str) -> None:
-        self.page.get_by_test_id(f"lane-menu-{cell}").click()
-        self.page.get_by_test_id(item).click()
-
-
 @pytest.fixture
 def flat(page: Page) -> Page:
     """A tab without the 3D view, which this machine draws in software: it would slow all that asks nothing of it."""
@@ -95,12 +47,6 @@ def spiral(program, flat) -> Timeline:
 @pytest.fixture
 def lake(program, flat) -> Timeline:
     return Timeline.open_preset(flat, program.url, LAKE)
-
-
-def center(node: Locator) -> tuple[float, float]:
-    box = node.bounding_box()
-    assert box is not None
-    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
 def test_chosen_points_move_together_in_one_step_of_undo(spiral):
@@ -191,6 +137,24 @@ def test_a_refused_number_stays_in_its_popup_with_the_reason(lake):
     page.get_by_test_id("point-apply").click()
     expect(page.get_by_test_id("point-editor")).to_be_hidden()
     lake.settled("s.schedules[0].points[1].time === 11")
+
+
+def test_a_point_is_typed_in_the_unit_of_the_fields(lake):
+    page = lake.page
+    extension = lake.points("Front bellows")[1]["extension"]
+    choose = "symbol => import('../../static/unitchoice.js').then(units => units.chooseUnit('length', symbol))"
+    for symbol, per, typed in (("cm", 1e2, 0.017), ("m", 1.0, 0.0165)):
+        page.evaluate(choose, symbol)
+        lake.point("Front bellows", 1).focus()
+        page.keyboard.press("Enter")
+        box = page.get_by_test_id("point-extension")
+        assert float(box.input_value()) == pytest.approx(per * extension, rel=1e-8)
+        expect(page.get_by_test_id("point-editor").locator("label").nth(1).locator("u")).to_have_text(symbol)
+        box.fill(str(typed * per))
+        page.get_by_test_id("point-apply").click()
+        lake.settled(f"Math.abs(s.schedules[0].points[1].extension - {typed}) < 1e-12")
+        expect(page.get_by_test_id("point-editor")).to_be_hidden()
+        extension = typed
 
 
 def test_a_refused_copy_keeps_its_dialog_open(lake):
@@ -381,6 +345,33 @@ def test_what_happened_is_marked_over_the_lanes(program, flat):
     page.get_by_test_id("phase-vertical-1").press("Enter")
     assert page.evaluate("() => window.__studio.clock.t") == pytest.approx(climb["from"], abs=10.0)
     expect(page.get_by_test_id(f"lane-{PORT}")).to_have_attribute("data-controlled", "true")
+
+
+def test_marks_of_surface_switches_end_stops_and_bed(program, flat):
+    document = load_preset("quad-bellows-waypoints").model_dump(mode="json")
+    document["mission"]["duration"] = 300.0
+    vertical = document["mission"]["control"]["controller"]["vertical"]
+    vertical |= {"top": 0.0, "bottom": 40.0, "first": "climb"}
+    timeline = Timeline.open_document(flat, program.url, document)
+
+    def marked(*kinds: str) -> None:
+        timeline.wait_until(lambda: {e["kind"] for e in timeline.state("s.run.events")} == set(kinds))
+        for kind in kinds:
+            mark = flat.locator(f".mark.{kind}").first
+            expect(mark).to_be_visible()
+            assert mark.locator("path").evaluate("path => path.getBBox().width") > 0.0
+
+    marked("surface", "end_of_stroke")
+    expect(flat.locator(".mark.end_of_stroke").first).to_have_attribute("aria-label", re.compile("cell: end stop at"))
+    dives = vertical | {"top": 0.5, "first": "dive"}
+    timeline.edit({"op": "replace", "path": "/mission/control/controller/vertical", "value": dives})
+    marked("climb")
+    timeline.edit({"op": "replace", "path": "/mission/environment/bed_depth", "value": 30.0})
+    marked("bed")
+    expect(flat.locator(".mark.bed")).to_have_attribute("aria-label", re.compile("^Bed at "))
+    flat.locator(".mark.bed").press("Enter")
+    end = timeline.state("s.run.columns.t.at(-1)")
+    assert flat.evaluate("() => window.__studio.clock.t") == pytest.approx(end, abs=0.01)
 
 
 def test_a_lane_is_hatched_where_the_cell_is_near_a_stop(lake):

@@ -142,12 +142,16 @@ def test_an_offset_cell_banks_the_glider(turning):
     expect(turning.page.get_by_test_id("legend-heading")).to_have_text(f"{shown} °")
 
 
-def test_the_bed_is_seen_only_from_near(program, page):
-    """Through lake water a plane far below would look as if it were near."""
+def test_the_bed_is_seen_only_from_near_and_in_the_overview(program, page):
+    """Through lake water a plane far below would look as if it were near; the overview shows where the water ends."""
     document = spiral_document(duration=DURATION)
     document["mission"]["environment"]["bed_depth"] = 40.0
     studio = StudioPage.open_document(page, program.url, document)
     shown = "() => document.querySelector('iframe').contentWindow.__viserSceneTree.getState()['/world/bed']?.visibility"
+    studio.wait_until(lambda: page.evaluate(shown) is False)
+    page.get_by_test_id("camera-overview").click()
+    studio.wait_until(lambda: page.evaluate(shown) is True)
+    page.get_by_test_id("camera-side").click()
     studio.wait_until(lambda: page.evaluate(shown) is False)
     page.evaluate("() => window.__studio.clock.seek(window.__studio.clock.end)")
     studio.wait_until(lambda: page.evaluate(shown) is True)

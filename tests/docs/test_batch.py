@@ -66,9 +66,12 @@ def test_the_commands_run(tmp_path):
     assert program.returncode == 0, (told, errors)
     assert told.count("the same bits") == 3
     assert told.count("cases       1000 of 1000 cases\n") == 3, "twice without a server, once on Dask"
+    assert told.count("\nqueued\n") == 2, "retried once, resumed once"
     for line in (
         "{'cases': 1000, 'done': ",
-        "\nqueued\n",
+        "\nqueued\nkilled\n",
+        "\nthe disk is full: ",
+        "free some space and resume the job\n",
         "\nsucceeded\n",
         "exit code 4",
         "exit code 5",

@@ -49,6 +49,25 @@ def yo_yo() -> Run:
     return simulate(controlled(lateral=HEADING, noise=noise, delay=0.5))
 
 
+@pytest.mark.parametrize(
+    ("controller", "says"),
+    [
+        ({"kind": "cascade", "lateral": HEADING | {"guidance": {
+            "kind": "waypoints", "points": [[0.0, 50.0], [9.0, 50.0], [9.0, 50.0]]}}},
+         "points 2 and 3 are the same place: remove one"),
+        ({"kind": "state_feedback", "cells": ["Front bellows"], "states": ["theta"], "points": [
+            {"value": 0.0, "extensions": [0.01], "state": [0.0], "gains": [[1.0]]},
+            {"value": 1.0, "extensions": [], "state": [0.0], "gains": [[1.0]]}]},
+         "point 2 has 0 extensions, 1 states"),
+    ],
+)  # fmt: skip
+def test_points_are_counted_from_one_where_they_are_told(controller, says):
+    document = load_preset("quad-bellows-glide").model_dump(mode="json")
+    document["mission"]["control"] = {"schedules": [], "controller": controller}
+    with pytest.raises(DesignError, match=says):
+        parse_design(document)
+
+
 def test_a_yo_yo_turns_at_the_edges_of_its_band(yo_yo):
     turns = [event for event in yo_yo.events if event.kind in ("dive", "climb")]
     assert [event.kind for event in turns[:3]] == ["climb", "dive", "climb"]

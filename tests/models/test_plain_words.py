@@ -29,7 +29,7 @@ from tests.server.test_batch_spec import DENSITY, EXAMPLES, document, drawn, fac
         (monte_carlo(drawn(kind="normal", mean=1, sd=1, widest=2)), "/parameters/0/distribution/widest",
          "there is no field 'widest' here (remove it; there are kind, mean, sd)"),
         (monte_carlo(drawn(), correlations=[{"between": ["a"], "value": 0.1}]), "/correlations/0/between/1",
-         "entry 1 is missing (add this entry)"),
+         "entry 2 is missing (add this entry)"),
         (monte_carlo(drawn(), stop={"metric": "range", "width": 1.0, "statistic": "medien"}), "/stop/statistic",
          "(did you mean median"),
     ],

@@ -10,6 +10,7 @@ import pytest
 
 from models.warm import warm_kernel
 from tests.server.database import database, database_url, postgres, store  # noqa: F401
+from tests.server.job_api_support import api, idle  # noqa: F401
 
 # before any application is made: none may touch the designs of who runs the tests
 _DATA = tempfile.TemporaryDirectory(prefix="glider-tests-")

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+import pytest
 
 from server.app import create_app
 from server.jobs.engines import SerialEngine
@@ -54,10 +57,16 @@ def idle_api(folder: Path, **settings):
         api.designs.database.close()
 
 
-@contextmanager
-def running_api(folder: Path):
+@pytest.fixture
+def idle(tmp_path: Path) -> Iterator[Api]:
+    with idle_api(tmp_path) as api:
+        yield api
+
+
+@pytest.fixture(scope="module")
+def api(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Api]:
     """Jobs that run, one that is done and one that is partial."""
-    with idle_api(folder) as api, running(api.jobs):
+    with idle_api(tmp_path_factory.mktemp("api")) as api, running(api.jobs):
         api.done = api.submit(sweep(CASES, name="Bellows along the hull", trajectories=list(KEPT)))
         api.partial = api.submit(listed(COMMAND, [0.0, 0.5, 1e-4], name="=Too far/../é"))
         yield api

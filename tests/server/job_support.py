@@ -48,6 +48,16 @@ def slow_sweep(count: int) -> dict[str, Any]:
     return sweep(count, design=design)
 
 
+def spiral_sweep(count: int) -> dict[str, Any]:
+    """Return spatial cases by the adaptive pair: some minutes of a spiral, the first cell moved along the hull."""
+    design = load_preset("quad-bellows-spiral").model_dump(mode="json")
+    design["mission"] |= {"duration": 240.0}
+    design["mission"]["solver"] |= {"method": "adaptive", "output_interval": 1.0}
+    x = design["vehicle"]["components"][1]["position"][0]
+    place = {"name": "place", "pointer": POSITION, "low": x - 0.2 * abs(x), "high": x + 0.2 * abs(x), "count": count}
+    return sweep(design=design, method={"kind": "full_factorial", "parameters": [place]})
+
+
 def listed(pointer: str, values: list[Any], **more: Any) -> dict[str, Any]:
     """Return a batch document: one field, its values listed."""
     method = {"kind": "cases", "parameters": [{"name": "value", "pointer": pointer}], "rows": [[v] for v in values]}

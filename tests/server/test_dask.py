@@ -11,7 +11,6 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 import psutil
 import pytest
@@ -19,8 +18,8 @@ import pytest
 from server.jobs.dask_executor import DaskExecutor
 from server.jobs.engines import DaskEngine, EngineLostError
 from tests.server.job_support import assert_whole, finished, open_at, running, slow_sweep, wait_for
+from tests.server.server_process import ROOT, server_of
 
-ROOT = Path(__file__).parents[2]
 CASES = 96
 
 
@@ -57,11 +56,9 @@ class Cluster:
         return self
 
     def kill_scheduler(self) -> None:
-        """Kill the scheduler; its workers end by themselves, or are ended."""
+        """Kill the scheduler; its workers are left alone."""
         assert self.scheduler is not None
         kill(self.scheduler)
-        for worker in self.workers:
-            kill(worker)
 
     def stop(self) -> None:
         """End everything."""
@@ -132,12 +129,33 @@ def test_a_killed_scheduler_is_waited_for(tmp_path, cluster, serial):
         job, _ = jobs.submit(slow_sweep(CASES))
         wait_for(lambda: jobs.store.get(job.id).chunks_done >= 2, what="two chunks")
         cluster.kill_scheduler()
+        for worker in cluster.workers:
+            assert worker.wait(60) == 0, "Dask's workers never connect again: they end by themselves"
         counted = jobs.store.get(job.id).chunks_done
         assert jobs.store.get(job.id).state == "running"
         cluster.start()
         job = finished(jobs, job)
         assert job.state == "succeeded" and job.chunks_done == job.chunks > counted
         assert assert_whole(jobs, job).equals(serial)
+
+
+def test_a_killed_server_goes_on_after_its_restart(tmp_path, cluster, serial):
+    """Workers outlive their server: what it had sent them counts for nobody, and is computed again for the next one."""
+    submitting = open_at(tmp_path)
+    job, _ = submitting.submit(slow_sweep(CASES))
+    with server_of(tmp_path, cluster.address):
+        wait_for(lambda: submitting.store.get(job.id).chunks_done >= 3, what="three chunks")
+    left = submitting.store.get(job.id)
+    assert left.state == "running" and 3 <= left.chunks_done < left.chunks
+    counted = submitting.store.written(job.id)
+    written = {chunk: submitting.files(job).path(chunk).read_bytes() for chunk in counted}
+    assert len(counted) == left.chunks_done and all(worker.poll() is None for worker in cluster.workers)
+    with server_of(tmp_path, cluster.address):
+        job = finished(submitting, job)
+    assert job.state == "succeeded" and job.failed == 0
+    assert assert_whole(submitting, job).equals(serial)
+    assert submitting.store.written(job.id) == set(range(job.chunks))
+    assert all(submitting.files(job).path(chunk).read_bytes() == written[chunk] for chunk in counted)
 
 
 def test_a_scheduler_that_is_not_there_is_told(tmp_path):

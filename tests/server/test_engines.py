@@ -114,11 +114,17 @@ def test_workers_that_cannot_start_are_told(monkeypatch, capfd):
     engine = ProcessEngine(2)
     with monkeypatch.context() as patch:
         patch.setattr(engines, "begin_worker", Missing())
+        engine.check()
         with pytest.raises(EngineLostError, match=r"^workers cannot be started: BrokenProcessPool: "):
             engine.submit(len, "x")
         nothing_left()
+        with pytest.raises(EngineLostError, match=r"^workers cannot be started: BrokenProcessPool: "):
+            engine.check()
+        patch.setattr(engines, "HELD_AGAINST", 0.0)
+        engine.check()  # long ago, and nothing has been tried since
     assert "a_module_that_is_not_there" in capfd.readouterr().err
     assert engine.submit(len, "x").result(60) == 1, "once they can, they do"
+    engine.check()
     engine.stop()
     nothing_left()
 
@@ -147,6 +153,40 @@ def test_too_few_processes_are_told_and_those_there_are_ended(monkeypatch, start
     with pytest.raises(EngineLostError, match=r"^workers cannot be started: .*no processes"):
         engine.submit(len, "x")
     nothing_left()
+
+
+class Dying(SerialEngine):
+    """An engine whose executors break with whatever is sent to them, while `die` is set."""
+
+    die = True
+
+    def submit(self, function, /, *arguments):
+        return super().submit(fail, BrokenProcessPool("died")) if self.die else super().submit(function, *arguments)
+
+
+def work_off(engine, count=1):
+    """Have one executor do some work, and wait until the engine, too, has heard what became of it."""
+    executor = engine._ready()
+    for _ in range(count):
+        engine.submit(len, "x")
+    executor.shutdown(wait=True)
+    engine.restart()
+
+
+def test_workers_that_keep_dying_are_told_until_one_works():
+    engine = Dying()
+    work_off(engine, count=10)  # all of one executor's work ends with it
+    engine.check()
+    for _ in range(engines.MOST_DEATHS - 2):
+        work_off(engine)
+    engine.check()
+    work_off(engine)
+    with pytest.raises(EngineLostError, match=r"^workers keep dying, 4 times in a row"):
+        engine.check()
+    engine.die = False
+    work_off(engine)
+    engine.check()
+    engine.stop()
 
 
 class Slow(SerialEngine):

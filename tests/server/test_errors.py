@@ -129,6 +129,16 @@ def test_an_error_that_quotes_what_is_not_finite_stays_json():
     assert assert_problem(ask("GET", "/odd", app=app), 422)["errors"][0]["limit"] is None
 
 
+def test_what_is_wrong_with_the_whole_document_needs_no_pointer():
+    app = local_app()
+
+    @app.get("/whole")
+    def whole() -> None:
+        raise DesignError([Problem("", "too much", hint="send less")])
+
+    assert assert_problem(ask("GET", "/whole", app=app), 422)["detail"] == "too much (send less)"
+
+
 def deep(opening: bytes, closing: bytes, depth: int) -> bytes:
     return opening * depth + b"1" + closing * depth
 

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import threading
 import time
 
 import pytest
 
+from server.app import create_app
+from server.jobs import engines
+from server.jobs.engines import EngineLostError, SerialEngine, UnreachableError
 from server.readiness import NotReadyError, Readiness
+from server.settings import Settings
+from tests.server.job_support import open_at
 from tests.server.support import Stopwatch, ask, assert_problem, local_app
 
 
@@ -48,6 +54,47 @@ def test_what_fails_is_named_and_its_secrets_are_not_told():
     ]
     assert "secret" not in answer.text
     assert answer.headers["retry-after"] == "5"
+
+
+class Lame(SerialEngine):
+    """An engine whose check fails."""
+
+    def __init__(self, error):
+        super().__init__()
+        self.error = error
+
+    def check(self):
+        raise self.error
+
+
+@pytest.mark.parametrize(
+    ("error", "says"),
+    [
+        (EngineLostError("workers cannot be started: no memory"), "engine: workers cannot be started: no memory"),
+        (UnreachableError("tcp://10.0.0.1:8786 is not reachable"), "engine: not reachable; the log says more"),
+    ],
+)
+def test_an_engine_that_is_lost_is_told_but_no_address(tmp_path, error, says):
+    jobs = open_at(tmp_path, Lame(error))
+    app = create_app(Settings(data=tmp_path), jobs=jobs)
+    problem = assert_problem(ask("GET", "/readyz", app=app), 503, says="")
+    assert [item["message"] for item in problem["errors"]] == [says]
+    assert "10.0.0.1" not in json.dumps(problem)
+    jobs.stop()
+
+
+def test_a_pool_that_cannot_start_is_not_ready(tmp_path, monkeypatch):
+    def fails():
+        raise OSError("no kernel")
+
+    monkeypatch.setattr(engines, "warm_batch", fails)
+    jobs = open_at(tmp_path, engines.ProcessEngine(1))
+    app = create_app(Settings(data=tmp_path), jobs=jobs)
+    assert ask("GET", "/readyz", app=app).status_code == 200, "it starts with the first job"
+    with pytest.raises(EngineLostError):
+        jobs.manager.engine.submit(len, "x")
+    assert_problem(ask("GET", "/readyz", app=app), 503, says="engine: OSError: no kernel")
+    jobs.stop()
 
 
 def test_alive_is_another_question():

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from html.parser import HTMLParser
 from urllib.parse import urljoin
 
 import pytest
 
+from server import openapi
 from server.app import create_app
+from server.examples import load_examples
 from server.operations_page import operations_page
 from server.settings import Settings
 from server.version import VERSION
 from tests.server.job_api_support import idle_api
-from tests.server.support import APP, ask, assert_problem, read_json
+from tests.server.support import APP, ask, assert_problem, local_app, read_json
 
 OPENAPI = APP.openapi()
 
@@ -59,6 +62,14 @@ def test_the_page_shows_every_operation_and_asks_nobody_else():
     assert not {"script", "link", "img", "iframe"} & set(page.tags)
     for link in page.links:
         assert ask("GET", urljoin("http://localhost/docs", link).removeprefix("http://localhost")).status_code == 200
+
+
+def test_the_document_is_built_once_whoever_asks_meanwhile(monkeypatch):
+    app, built = local_app(), []
+    monkeypatch.setattr(openapi, "load_examples", lambda: built.append(1) or load_examples())
+    with ThreadPoolExecutor(2) as pool:
+        first, second = pool.map(lambda _: app.openapi(), range(2))
+    assert first is second and built == [1]
 
 
 def test_the_page_needs_no_token_and_the_index_does():

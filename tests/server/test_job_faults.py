@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
 from concurrent.futures import Future
-from pathlib import Path
 
 import psutil
 import pytest
@@ -15,10 +12,10 @@ import pytest
 from server.jobs import chunk
 from server.jobs.engines import ProcessEngine
 from server.jobs.task import ChunkTask
-from tests.server.job_support import assert_whole, finished, open_at, running, slow_sweep, wait_for
+from tests.server.job_support import assert_whole, finished, open_at, running, slow_sweep, spiral_sweep, wait_for
+from tests.server.server_process import server_of
 
-ROOT = Path(__file__).parents[2]
-CASES = 96
+CASES, SPIRALS = 96, 32
 
 
 @pytest.fixture(autouse=True)
@@ -26,21 +23,32 @@ def small_chunks(monkeypatch):
     monkeypatch.setattr("server.jobs.submission.chunk_size", lambda plan, limits, workers: 8)
 
 
+def table_of_one_thread(folder, document):
+    with pytest.MonkeyPatch.context() as patch, running(open_at(folder)) as jobs:
+        patch.setattr("server.jobs.submission.chunk_size", lambda plan, limits, workers: 8)
+        return assert_whole(jobs, finished(jobs, jobs.submit(document)[0]))
+
+
 @pytest.fixture(scope="module")
 def serial(tmp_path_factory):
-    """The case table of one process and one thread."""
-    with pytest.MonkeyPatch.context() as patch, running(open_at(tmp_path_factory.mktemp("serial"))) as jobs:
-        patch.setattr("server.jobs.submission.chunk_size", lambda plan, limits, workers: 8)
-        job = finished(jobs, jobs.submit(slow_sweep(CASES))[0])
-        return assert_whole(jobs, job)
+    """The case table of planar glides of a fixed step."""
+    return table_of_one_thread(tmp_path_factory.mktemp("serial"), slow_sweep(CASES))
+
+
+@pytest.fixture(scope="module")
+def serial_spirals(tmp_path_factory):
+    """The case table of spatial glides of adaptive steps."""
+    return table_of_one_thread(tmp_path_factory.mktemp("spirals"), spiral_sweep(SPIRALS))
 
 
 @pytest.mark.parametrize("workers", [1, 2, 4])
-def test_any_number_of_workers_gives_the_same_bits(tmp_path, serial, workers):
+def test_any_number_of_workers_gives_the_same_bits(tmp_path, serial, serial_spirals, workers):
+    """Two jobs at once, whose chunks take turns in the same workers."""
     with running(open_at(tmp_path, ProcessEngine(workers))) as jobs:
-        job = finished(jobs, jobs.submit(slow_sweep(CASES))[0])
-        assert job.state == "succeeded"
-        assert assert_whole(jobs, job).equals(serial)
+        both = [jobs.submit(document)[0] for document in (slow_sweep(CASES), spiral_sweep(SPIRALS))]
+        for job, expected in zip(both, (serial, serial_spirals), strict=True):
+            assert finished(jobs, job).state == "succeeded"
+            assert assert_whole(jobs, job).equals(expected)
     assert not psutil.Process().children(recursive=True) or no_workers_left()
 
 
@@ -96,38 +104,19 @@ def test_a_chunk_that_kills_its_workers_is_given_up_and_no_other(tmp_path, seria
         assert failure["count"] == 8 and failure["case"] == 40
 
 
-def begin_server(folder, *more):
-    return subprocess.Popen(
-        [sys.executable, "-m", "tests.server.server_process", str(folder), *more],
-        cwd=ROOT, stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
-
-
-def end(server):
-    server.kill()
-    server.wait(10)
-    server.stdout.close()
-
-
 def test_a_killed_server_goes_on_after_its_restart(tmp_path, serial):
     submitting = open_at(tmp_path)
     job, _ = submitting.submit(slow_sweep(CASES))
-    server = begin_server(tmp_path)
-    try:
+    with server_of(tmp_path) as server:
         wait_for(lambda: submitting.store.get(job.id).chunks_done >= 3, what="three chunks")
         orphans = workers_of(server.pid)
         assert len(orphans) == 2
-    finally:
-        end(server)
     wait_for(lambda: not any(orphan.is_running() for orphan in orphans), what="the end of the workers", seconds=10.0)
     left = submitting.store.get(job.id)
     assert left.state == "running" and 3 <= left.chunks_done < left.chunks
     written = {path: path.read_bytes() for path in submitting.files(job).written()}
-    server = begin_server(tmp_path)
-    try:
+    with server_of(tmp_path):
         job = finished(submitting, job)
-    finally:
-        end(server)
     assert job.state == "succeeded"
     assert assert_whole(submitting, job).equals(serial)
     counted = [path for path in written if int(path.stem.split("-")[1]) in range(left.chunks_done)]
@@ -136,15 +125,11 @@ def test_a_killed_server_goes_on_after_its_restart(tmp_path, serial):
 
 def test_two_servers_share_the_work_and_count_nothing_twice(tmp_path, serial):
     submitting = open_at(tmp_path)
-    servers = [begin_server(tmp_path) for _ in range(2)]
-    try:
+    with server_of(tmp_path), server_of(tmp_path):
         jobs = [submitting.submit(slow_sweep(CASES), fresh=True)[0] for _ in range(2)]
         for job in jobs:
             assert finished(submitting, job).state == "succeeded"
             assert assert_whole(submitting, job).equals(serial)
-    finally:
-        for server in servers:
-            end(server)
 
 
 def test_a_server_that_lost_its_job_counts_nothing(tmp_path):

@@ -20,22 +20,9 @@ from models.simulate import simulate
 from server.jobs.sensitivity import indices
 from server.jobs.spec import parse_spec
 from server.schemas_jobs import CaseItem, JobRecord, JobSummary, Trajectory
-from tests.server.job_api_support import CASES, COMMAND, KEPT, Api, idle_api, running_api
+from tests.server.job_api_support import CASES, COMMAND, KEPT, Api
 from tests.server.job_support import POSITION, glider, running, sweep
 from tests.server.support import assert_problem, read_json
-
-
-@pytest.fixture(scope="module")
-def api(tmp_path_factory):
-    with running_api(tmp_path_factory.mktemp("api")) as api:
-        yield api
-
-
-@pytest.fixture
-def idle(tmp_path):
-    with idle_api(tmp_path) as api:
-        yield api
-
 
 # cases
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import time
+from concurrent.futures import Future
 
 import pytest
 
@@ -12,8 +13,11 @@ from models.kernel import KERNEL_HASH
 from server.jobs import chunk as chunks
 from server.jobs.engines import EngineLostError, SerialEngine
 from server.jobs.files import JobFiles
+from server.store.errors import UnavailableError
 from server.store.jobs import JobStore
-from tests.server.job_support import assert_whole, finished, open_at, running, sweep, table_of, wait_for
+from tests.server.job_support import assert_whole, finished, listed, open_at, running, sweep, table_of, wait_for
+
+STROKE = "/mission/control/schedules/0/points/0/extension"
 
 
 @pytest.fixture(autouse=True)
@@ -195,8 +199,6 @@ def test_a_chunk_that_was_counted_before_still_counts_for_the_stop(tmp_path, mon
         counted = real(self, job_id, owner, chunk, **more)
         if chunk in broken:
             broken.discard(chunk)
-            from server.store.errors import UnavailableError
-
             raise UnavailableError("the connection broke")
         return counted
 
@@ -215,3 +217,97 @@ def test_a_job_to_be_cancelled_does_not_pause(tmp_path):
     jobs.store.pause(job.id, "me", "the disk is full")
     assert jobs.store.get(job.id).state == "cancelled"
     jobs.stop()
+
+
+def reason_of(jobs, job):
+    return jobs.record(jobs.store.get(job.id))["reason"]
+
+
+def test_a_job_that_waits_for_workers_says_so_until_it_goes_on(tmp_path):
+    engine = Slipping(EngineLostError("no processes are left"), set(range(1, 10_000)))
+    with running(open_at(tmp_path, engine)) as jobs:
+        job, _ = jobs.submit(sweep(20))
+        told = wait_for(lambda: reason_of(jobs, job), what="the reason")
+        assert told == "waiting for workers: no processes are left; it goes on by itself once there are some"
+        later, _ = jobs.submit(sweep(8))
+        wait_for(lambda: reason_of(jobs, later), what="the reason of a job that came later")
+        engine.when = set()
+        wait_for(lambda: jobs.store.get(job.id).chunks_done, what="the first chunk")
+        assert reason_of(jobs, job) is None
+        assert finished(jobs, job).state == "succeeded" and reason_of(jobs, job) is None
+
+
+class Empty(SerialEngine):
+    """A cluster without workers: it takes work, and nobody does it."""
+
+    known_workers = 0
+
+    def submit(self, function, /, *arguments):
+        return Future()
+
+
+def test_a_cluster_without_workers_is_told(tmp_path):
+    with running(open_at(tmp_path, Empty())) as jobs:
+        job, _ = jobs.submit(sweep(8))
+        told = wait_for(lambda: reason_of(jobs, job), what="the reason")
+        assert told.startswith("waiting for workers: there are none")
+    assert reason_of(jobs, job) is None, "nobody waits any more"
+
+
+def test_a_database_that_is_full_is_told_and_waited_for(tmp_path, monkeypatch, caplog):
+    """Its own words go to the log; who asks this process for the record is told from memory."""
+    real, full = JobStore.count_chunk, [True]
+
+    def count(self, job_id, owner, chunk, **more):
+        if full and chunk >= 2:
+            raise UnavailableError("the disk is full: free some space, and try again")
+        return real(self, job_id, owner, chunk, **more)
+
+    monkeypatch.setattr(JobStore, "count_chunk", count)
+    with running(open_at(tmp_path)) as jobs:
+        job, _ = jobs.submit(sweep(20))
+        told = wait_for(lambda: reason_of(jobs, job), what="the reason")
+        assert told.startswith("what is computed cannot be counted: the disk is full: free some space")
+        assert jobs.store.get(job.id).state == "running"
+        assert f"chunk 2 of job {job.id} cannot be counted yet: the disk is full" in caplog.text
+        full.clear()
+        assert finished(jobs, job).state == "succeeded" and reason_of(jobs, job) is None
+        assert_whole(jobs, job)
+        other = finished(jobs, jobs.submit(sweep(8))[0])
+        assert reason_of(jobs, other) is None
+
+
+def partial(jobs):
+    return finished(jobs, jobs.submit(listed(STROKE, [0.0] * 8 + [0.5]))[0])
+
+
+def test_old_results_are_deleted_before_anybody_computes_them_again(tmp_path, monkeypatch):
+    real, seen = JobFiles.forget, []
+
+    def slowly(self, chunk):
+        seen.append((chunk, jobs.store.claim("another", 60.0, most=1)))
+        real(self, chunk)
+
+    with running(open_at(tmp_path)) as jobs:
+        job = partial(jobs)
+        assert job.state == "partial"
+    monkeypatch.setattr(JobFiles, "forget", slowly)
+    assert jobs.retry(job.id).state == "queued"
+    assert seen == [(2, [])]
+    assert not jobs.files(job).path(2).exists() and jobs.files(job).path(0).exists()
+    assert jobs.store.written(job.id) == {0, 1}
+    assert [taken.id for taken in jobs.store.claim("another", 60.0, most=1)] == [job.id]
+
+
+def test_old_results_that_cannot_be_deleted_hold_no_retry_up(tmp_path, monkeypatch):
+    def fails(self, chunk):
+        raise OSError(errno.EIO, "an input or output error")
+
+    with running(open_at(tmp_path)) as jobs:
+        job = partial(jobs)
+        with monkeypatch.context() as patch, pytest.raises(OSError, match="input or output"):
+            patch.setattr(JobFiles, "forget", fails)
+            jobs.retry(job.id)
+        job = finished(jobs, job)
+        assert job.state == "partial" and job.failed == 1
+        assert_whole(jobs, job)

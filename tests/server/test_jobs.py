@@ -291,7 +291,9 @@ def test_a_full_disk_pauses_the_job_and_harms_nothing(tmp_path, monkeypatch):
         jobs.resume(job.id)
         job = finished(jobs, job)
         assert job.state == "succeeded" and job.reason is None
-        assert_whole(jobs, job)
+        undisturbed = finished(jobs, jobs.submit(sweep(40), fresh=True)[0])
+        assert undisturbed.id != job.id
+        assert assert_whole(jobs, job).equals(assert_whole(jobs, undisturbed))
 
 
 def test_a_job_pauses_before_the_disk_is_full(tmp_path):

@@ -14,23 +14,12 @@ from server.jobs.spec import batch_schema
 from server.schemas_jobs import JobPage, JobRecord
 from server.settings import Settings
 from server.store.records import Content
-from tests.server.job_api_support import JOBS, NOBODY, Api, idle_api, running_api
-from tests.server.job_support import finished, glider, sweep
+from tests.server.job_api_support import JOBS, NOBODY, Api, idle_api
+from tests.server.job_support import POSITION, finished, glider, sweep
 from tests.server.support import ask, assert_problem, read_json
 
 TOKEN, OTHER = "the-token-of-anna-1", "the-token-of-bert-1"
-
-
-@pytest.fixture(scope="module")
-def api(tmp_path_factory):
-    with running_api(tmp_path_factory.mktemp("api")) as api:
-        yield api
-
-
-@pytest.fixture
-def idle(tmp_path):
-    with idle_api(tmp_path) as api:
-        yield api
+DRAWN = {"pointer": POSITION, "distribution": {"kind": "uniform", "low": 0.1, "high": 0.2}}
 
 
 # submitting
@@ -102,8 +91,38 @@ def test_a_stored_design_is_found_at_its_revision(idle):
     record = idle.ask("POST", "", document | {"design_id": stored.id}).json()
     assert record["design"] == {"name": stored.design.name, "identity": stored.identity, "id": stored.id, "revision": 1}
     wrong = idle.ask("POST", "", document | {"design_id": stored.id, "revision": 9})
-    assert_problem(wrong, 422, pointer="/revision", says="newest is 1")
-    assert_problem(idle.ask("POST", "", document | {"design_id": NOBODY}), 422, pointer="/design_id")
+    problem = assert_problem(wrong, 422, pointer="/revision", says="newest is 1")
+    assert_leads_on(idle, problem, f"/api/v1/designs/{stored.id}/revisions")
+    problem = assert_problem(idle.ask("POST", "", document | {"design_id": NOBODY}), 422, pointer="/design_id")
+    assert_leads_on(idle, problem, "/api/v1/designs")
+
+
+def assert_leads_on(idle, problem, address):
+    """The hint names an address as it is asked for."""
+    assert problem["errors"][0]["hint"] == f"GET {address} lists those there are"
+    assert ask("GET", address, app=idle.app).status_code == 200
+
+
+def test_a_row_of_a_wrong_length_is_pointed_at_where_it_ends(idle):
+    method = {"kind": "cases", "parameters": [{"pointer": POSITION}], "rows": [[0.1], [], [0.2, 0.3]]}
+    problem = assert_problem(idle.ask("POST", "", sweep() | {"method": method}), 422)
+    assert [(item["pointer"], item["message"], item["limit"]) for item in problem["errors"]] == [
+        ("/method/rows/1/0", "row 2 has 0 values for 1 parameters: give one for each", 1),
+        ("/method/rows/2/1", "row 3 has 2 values for 1 parameters: give one for each", 1),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("document", "name"),
+    [
+        ({"kind": "monte_carlo", "count": 4, "parameters": [DRAWN]}, "Monte Carlo of {}"),
+        ({"kind": "simulate"}, "Simulation of {}"),
+    ],
+)
+def test_a_job_without_a_name_is_called_by_its_kind_and_design(idle, document, name):
+    design = glider()
+    record = read_json(idle.ask("POST", "", {"format": "glider-batch", "version": 1, "design": design} | document))
+    assert record["name"] == name.format(design["name"])
 
 
 @pytest.fixture

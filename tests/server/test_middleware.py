@@ -1,10 +1,12 @@
-"""The layers around every route: what they cost."""
+"""The layers around every route: what they cost, and what they say of a client that leaves."""
 
 from __future__ import annotations
 
 import asyncio
+import logging
 import time
 
+import pytest
 from fastapi import FastAPI
 from starlette.responses import Response
 
@@ -13,6 +15,7 @@ from server.quotas import Quotas
 from server.settings import Settings
 from server.stopping import Stopping
 from server.telemetry import Telemetry
+from tests.server.job_api_support import idle_api
 
 TOKENS = "anna:the-token-of-anna-1,bert:the-token-of-bert-2"
 MOST = 300e-6
@@ -59,3 +62,26 @@ def test_they_cost_little():
         return min([await seconds_each(around) - await seconds_each(inside) for _ in range(5)])
 
     assert asyncio.run(best()) < MOST
+
+
+@pytest.mark.parametrize("path", ["/api/v1/jobs", "/api/v1/simulations:preview", "/api/v1/designs"])
+@pytest.mark.parametrize("sent", [b"", b'{"format": '], ids=["nothing sent", "half sent"])
+def test_who_leaves_before_all_is_sent_leaves_a_line_and_no_fault(tmp_path, caplog, path, sent):
+    parts = iter([{"type": "http.request", "body": sent, "more_body": True}, {"type": "http.disconnect"}])
+    answered = []
+
+    async def receive():
+        return next(parts)
+
+    async def send(message):
+        answered.append(message)
+
+    headers = [(b"host", b"localhost"), (b"content-type", b"application/json"), (b"content-length", b"9000")]
+    scope = {"type": "http", "method": "POST", "path": path, "query_string": b"", "root_path": "", "headers": headers}
+    with idle_api(tmp_path) as api, caplog.at_level(logging.INFO):
+        asyncio.run(api.app(scope | {"client": ("127.0.0.1", 1)}, receive, send))
+    assert answered == []
+    lines = [record for record in caplog.records if record.name.startswith("server.")]
+    assert [(line.name, line.levelname, line.status, line.route) for line in lines] == [
+        ("server.requests", "INFO", 499, path)
+    ]

@@ -97,3 +97,42 @@ def test_only_whole_origins_are_let_in(origin):
 def test_only_bare_names_are_allowed_hosts(host):
     with pytest.raises(ValidationError, match=r"GLIDER_STUDIO_ALLOWED_HOSTS.*without scheme and port"):
         Settings(allowed_hosts=host)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "says"),
+    [
+        ("port", "http", "a whole number from 0 to 65535 is wanted, not 'http'; unset it for 8000"),
+        ("port", "65536", "a whole number from 0 to 65535 is wanted, not '65536'; unset it for 8000"),
+        ("workers", "0", "a whole number from 1 to 1024 is wanted, not '0'; unset it"),
+        ("max_cases", "1.5", "a whole number from 1 to 2147483647 is wanted, not '1.5'; unset it for 10000000"),
+        ("max_duration", "-1", "a number above 0 is wanted, not '-1'; unset it for 604800.0"),
+        ("preview_seconds", "nan", "a number above 0 and of at most 60 is wanted, not 'nan'; unset it for 1.5"),
+        ("metrics_open", "perhaps", "true or false is wanted, not 'perhaps'; unset it for false"),
+        ("log_level", "inof", "'debug', 'info', 'warning' or 'error' is wanted, not 'inof'; did you mean info?"),
+        ("scheduler", "localhost:8786", "'localhost:8786' does not have the form ^(tcp|tls|ws|wss)://.; "
+         "give address of a Dask scheduler for jobs, as tcp://host:8786; else a pool of processes"),
+    ],
+)  # fmt: skip
+def test_a_wrong_value_is_told_in_plain_words(monkeypatch, name, value, says):
+    monkeypatch.setenv(f"GLIDER_STUDIO_{name.upper()}", value)
+    with pytest.raises(ValidationError) as caught:
+        Settings()
+    (told,) = caught.value.errors()
+    assert (told["loc"], told["msg"]) == ((name,), says)
+
+
+def test_every_wrong_value_is_told_at_once(monkeypatch):
+    monkeypatch.setenv("GLIDER_STUDIO_PORT", "x")
+    monkeypatch.setenv("GLIDER_STUDIO_LOG_FORMAT", "xml")
+    with pytest.raises(ValidationError) as caught:
+        Settings()
+    assert [item["loc"] for item in caught.value.errors()] == [("port",), ("log_format",)]
+
+
+def test_an_address_that_may_hold_a_password_is_not_repeated(monkeypatch):
+    monkeypatch.setenv("GLIDER_STUDIO_DATABASE_URL", "mysql://anna:her-password@lab.example/designs")
+    with pytest.raises(ValidationError, match=r"what is given does not have the form .*; give sqlite:///") as got:
+        Settings()
+    assert "her-password" not in str(got.value)
+    assert "her-password" not in "".join(item["msg"] for item in got.value.errors())

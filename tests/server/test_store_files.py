@@ -10,6 +10,7 @@ import zlib
 
 import pytest
 
+from models.design import loads_design
 from models.presets import load_preset
 from models.problems import DesignError
 from server.store import archive
@@ -47,7 +48,7 @@ def with_info(**fields):
 
 def test_what_is_written_is_read():
     many = [stored(1), stored(2, "../../etc/passwd"), stored(3, "C:\\ <b> Ünïcode \U0001f6a4"), stored(4, "…")]
-    entries = read_archive(write_archive(many, now=1e9), largest_entry=LARGEST)
+    entries = read_archive(write_archive(many, now=1e9, largest_entry=LARGEST), largest_entry=LARGEST)
     assert [json.loads(entry.content) for entry in entries] == [json.loads(one.document) for one in many]
     assert all(entry.tags == ["a", "b"] for entry in entries)
     assert [entry.name for entry in entries] == [file_name(one, one.design.name) for one in many]
@@ -55,7 +56,7 @@ def test_what_is_written_is_read():
 
 
 def test_the_manifest_says_what_is_inside():
-    with zipfile.ZipFile(io.BytesIO(write_archive([stored(1)], now=1e9))) as made:
+    with zipfile.ZipFile(io.BytesIO(write_archive([stored(1)], now=1e9, largest_entry=LARGEST))) as made:
         manifest = json.loads(made.read("manifest.json"))
         assert made.testzip() is None
     one = stored(1)
@@ -68,9 +69,37 @@ def test_the_manifest_says_what_is_inside():
 
 def test_an_export_is_never_more_than_an_import_takes(monkeypatch):
     monkeypatch.setattr(archive, "LARGEST_ARCHIVE", 30_000)
-    assert read_archive(write_archive([stored(1), stored(2)], now=1e9), largest_entry=LARGEST)
+    assert read_archive(write_archive([stored(1), stored(2)], now=1e9, largest_entry=LARGEST), largest_entry=LARGEST)
     with pytest.raises(DesignError, match="more than 30000 bytes together"):
-        write_archive([stored(n) for n in range(3)], now=1e9)
+        write_archive([stored(n) for n in range(3)], now=1e9, largest_entry=LARGEST)
+
+
+def test_the_manifest_counts_too(monkeypatch):
+    def written(most):
+        monkeypatch.setattr(archive, "LARGEST_ARCHIVE", most)
+        return write_archive([stored(1)], now=1e9, largest_entry=LARGEST)
+
+    with zipfile.ZipFile(io.BytesIO(written(LARGEST))) as made:
+        whole = sum(info.file_size for info in made.infolist())
+    assert len(read_archive(written(whole), largest_entry=LARGEST)) == 1
+    with pytest.raises(DesignError, match="choose fewer"):
+        written(whole - 1)
+
+
+def test_a_file_that_only_its_indents_make_too_large_goes_without_them():
+    design = stored(1).design
+    indented, plain = len(design.to_json().encode()), len(design.model_dump_json().encode())
+    assert plain < indented
+
+    def entry_of(largest):
+        made = write_archive([stored(1)], now=1e9, largest_entry=largest)
+        (entry,) = read_archive(made, largest_entry=largest)
+        return entry.content
+
+    assert [len(entry_of(most)) for most in (indented, indented - 1, plain)] == [indented, plain, plain]
+    assert loads_design(entry_of(plain)) == design
+    with pytest.raises(DesignError, match=f"is a file of {plain} bytes, more than an import takes: {plain - 1}"):
+        entry_of(plain - 1)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import text
+from sqlalchemy import inspect, text
 
 from models.presets import load_preset
 from server.store import job_tables  # noqa: F401
@@ -24,6 +24,7 @@ from server.store.listing import DesignQuery
 from server.store.migrations import HEAD, HERE, current_version
 from server.store.records import Content
 from server.store.tables import metadata
+from tests.server.old_rows import DESIGN, GLIDER, insert_rows, read_rows, rows_until
 
 SEARCH = "design_search"
 """SQLite's full-text index and its own tables, which are no tables of ours."""
@@ -63,6 +64,25 @@ def test_every_version_comes_to_the_newest_and_equals_the_tables(database_url, v
     new.close()
     assert store.get(made.id) == made and store.find(DesignQuery("battery")).items
     new.close()
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_every_row_of_an_older_version_is_there_after_the_upgrade(database_url, version):
+    rows = rows_until(version)
+    old = Database(database_url, version=version)
+    with old.write() as connection:
+        insert_rows(connection, rows)
+        ours = {name for name in inspect(connection).get_table_names() if not name.startswith(SEARCH)}
+        assert set(rows) == ours - {"alembic_version"}, "tests/server/old_rows.py has no row of some table"
+    old.close()
+    store = DesignStore(Database(database_url))
+    with store.database.read() as connection:
+        assert read_rows(connection, rows) == rows
+    kept = store.get(DESIGN)
+    assert (kept.revision, kept.tags, kept.document) == (2, ("Lake",), GLIDER.document)
+    assert [item.id for item in store.find(DesignQuery("LONG ago", tags=("Lake",))).items] == [DESIGN]
+    assert store.create(GLIDER).id in {item.id for item in store.find(DesignQuery()).items}
+    store.database.close()
 
 
 def test_what_is_stored_survives_a_second_start(database_url):

@@ -8,8 +8,11 @@ import zipfile
 
 import pytest
 
-from models.design import loads_design
+from models.design import loads_design, parse_design
 from models.presets import load_preset
+from server.app import create_app
+from server.settings import Settings
+from server.store.records import Content
 from server.store.thumbnails import LARGEST_THUMBNAIL
 from tests.server.support import ask, assert_problem, local_app, preset, read_json
 
@@ -62,6 +65,28 @@ def test_archives_go_out_and_in_again(api):
     assert len(zipfile.ZipFile(io.BytesIO(by_tag.content)).namelist()) == 3 + 1 + 1
     everything = api("GET", f"{ALL}:export")
     assert len(zipfile.ZipFile(io.BytesIO(everything.content)).namelist()) == 7 + 1
+
+
+def test_an_export_is_never_more_than_an_import_takes_back(store, monkeypatch):
+    """Zips may be larger than other bodies, up to what an archive may hold; the quota of bytes counts them as any."""
+    monkeypatch.setattr("server.middleware.LARGEST_FILE", 60_000)
+    app = create_app(Settings(host="127.0.0.1", max_body_bytes=16_000, token="a-token-of-some-length"))
+    app.state.store = store
+    headers = ZIP | {"authorization": "Bearer a-token-of-some-length"}
+    spent = []
+    monkeypatch.setattr(app.state.quotas, "spend_bytes", lambda principal, count: spent.append(count))
+    for n in range(12):
+        store.create(Content(parse_design(preset() | {"name": f"Glider {n}"}), ()))
+    archive = ask("GET", f"{ALL}:export", app=app, headers=headers).content
+    assert 16_000 < len(archive) < 60_000
+    report = read_json(ask("POST", f"{ALL}:import", app=app, content=archive, headers=headers))
+    assert (report["imported"], report["refused"]) == (12, 0) and sum(spent) == len(archive)
+    padded = archive + b" " * 60_000
+    answer = ask("POST", f"{ALL}:import", app=app, content=padded, headers=headers)
+    assert_problem(answer, 413, says="limit of 60000 bytes")
+    as_json = headers | {"content-type": "application/json"}
+    assert_problem(ask("POST", f"{ALL}:import", app=app, content=archive, headers=as_json), 413, says="of 16000 bytes")
+    assert_problem(ask("POST", ALL, app=app, content=archive, headers=headers), 413, says="limit of 16000 bytes")
 
 
 def test_exports_of_what_is_not_there(api):

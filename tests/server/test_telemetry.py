@@ -11,8 +11,13 @@ from prometheus_client.core import GaugeMetricFamily
 from prometheus_client.parser import text_string_to_metric_families
 
 from server.app import create_app
+from server.jobs.engines import DaskEngine
 from server.settings import Settings
+from server.store.errors import UnavailableError
+from server.store.job_records import STATES
 from server.telemetry import Telemetry
+from tests.server.job_api_support import COMMAND, idle_api
+from tests.server.job_support import listed, running, sweep
 from tests.server.support import PREVIEW, VALIDATE, ask, local_app, preset
 
 TOKEN = "a-token-of-some-length"
@@ -91,6 +96,37 @@ def test_process_and_own_figures_are_there():
     assert found[("process_resident_memory_bytes",)] > 1e6
     assert found[("glider_studio_simulations_running",)] == 0
     assert found[("glider_studio_requests_in_progress",)] == 1, "this one"
+
+
+def test_jobs_are_told_by_state_and_their_cases_are_counted(tmp_path):
+    with idle_api(tmp_path) as api, running(api.jobs):
+        for document in (sweep(12), sweep(3), listed(COMMAND, [0.0, 0.5, 1e-4])):
+            api.submit(document)
+        found = figures(api.app)
+    states = {dict(labels)["state"]: value for (name, *labels), value in found.items() if name == "glider_studio_jobs"}
+    assert set(states) == set(STATES)
+    assert (states["succeeded"], states["partial"], sum(states.values())) == (2, 1, 3)
+    assert found[("glider_studio_job_cases_total",)] == 12 + 3 + 3
+    assert found[("glider_studio_job_cases_failed_total",)] == 1
+    assert found[("glider_studio_job_chunks_in_flight",)] == 0
+    assert found[("glider_studio_job_workers",)] == 1
+    assert found[("glider_studio_job_listeners",)] == 0
+
+
+def test_what_is_not_known_of_jobs_is_left_out(tmp_path, monkeypatch):
+    with idle_api(tmp_path) as api:
+        api.jobs.manager.engine = DaskEngine("tcp://127.0.0.1:9")
+        found = figures(api.app)
+        assert ("glider_studio_job_workers",) not in found, "nobody has asked the cluster yet"
+        assert found[("glider_studio_jobs", ("state", "queued"))] == 0
+
+        def fails():
+            raise UnavailableError("the database does not answer")
+
+        monkeypatch.setattr(api.jobs.store, "counts", fails)
+        found = figures(api.app)
+        assert found[("glider_studio_job_cases_total",)] == 0
+        assert not any(name == "glider_studio_jobs" for name, *_ in found)
 
 
 def test_applications_count_apart():

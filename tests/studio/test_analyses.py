@@ -151,7 +151,8 @@ class TestTheAnswers:
         assert not moving["equilibrium"] and moving["point"]["time"] == 3.0
 
     @pytest.mark.parametrize(
-        ("query", "told"), [({"hold": 9}, "hold 9 is none of the 2"), ({"time": -1}, "greater than or equal to 0")]
+        ("query", "told"),
+        [({"hold": 9}, "hold 9 is none of the 2"), ({"time": -1}, "a number of at least 0 is wanted, not '-1'")],
     )
     def test_what_there_is_not_is_refused(self, client: httpx.Client, query: dict[str, int], told: str) -> None:
         answer = client.get("modes", params=query)

@@ -98,6 +98,17 @@ def test_settings_that_are_none_are_told(folder, monkeypatch, capsys):
     assert not list(folder.rglob("*.part")) and not list(folder.rglob("download-*"))
 
 
+def test_the_database_of_a_server_is_not_used_and_that_is_said_in_a_line(folder, monkeypatch, capsys):
+    monkeypatch.setenv("GLIDER_STUDIO_DATABASE_URL", f"sqlite:///{folder}/other.sqlite")
+    assert run(sweep(2), "-o", "out") == DONE
+    told = [line for line in capsys.readouterr().err.splitlines() if "GLIDER_STUDIO_DATABASE_URL" in line]
+    kept = Path("out/studio.sqlite")
+    assert told == [
+        f"environment: warning: GLIDER_STUDIO_DATABASE_URL is not used here: the jobs of a batch are kept in {kept}"
+    ]
+    assert kept.exists() and not Path("other.sqlite").exists()
+
+
 def test_results_lie_in_a_folder_of_the_documents_name_that_a_server_can_open(folder):
     assert run(sweep(3)) == DONE
     assert {path.name for path in (folder / "spec").iterdir()} >= {"studio.sqlite", "jobs", "cases.csv", "summary.json"}

@@ -16,21 +16,23 @@ from models.design import DeclaredMass, Design, parse_design
 from models.energy import energy_bill
 from models.mass_properties import trim_ballast
 from models.presets import load_preset
+from models.problems import Problem
 from models.run import Run
 from models.simulate import simulate
 from models.stability import stability_over
 from models.trim import find_trims
 from server.answers import series_json
-from studio.consequence_warnings import warnings_of
+from studio.cell_reach import NEAR_STOP, spans_where
+from studio.consequence_warnings import Warned, warnings_of
 from studio.consequences import (
     Consequences,
     LiveConsequences,
     consequences_document,
     consequences_of,
-    spans_where,
 )
 from studio.held_glides import COMPILING
-from studio.holds import MOST_HOLDS, holds_of, scheduled_holds
+from studio.holds import MOST_HOLDS, holds_of, scheduled_holds, spans_of
+from studio.run_marks import MOST_SPANS
 from studio.session import Session
 from tests.studio.conftest import Studio, wait_until
 from tests.studio.spiral import spiral
@@ -192,15 +194,59 @@ class TestMarginsEnergyAndStops:
         index, cell = dual_bellows.vehicle.actuated[0]
         ends = cell.stroke
         found, run = found_of(scheduled(dual_bellows, {"time": 2.0, "extension": ends[1]}))
-        reach = found.cells[0]
-        ((start, end),) = reach.at_high
+        reach = found.cells[0].high
+        ((start, end),) = reach.at
         extension = run.cell_values["extension"][:, 0]
         assert extension[np.searchsorted(run.times, start)] == pytest.approx(ends[1], abs=1e-6 * (ends[1] - ends[0]))
         assert 2.0 <= start < end == run.times[-1]
-        note = next(w for w in found.warnings if "upper stop" in w.problem.message)
-        assert note.times == reach.at_high
+        (note,) = (w for w in found.warnings if "stop" in w.problem.message)  # and none that it comes near
+        assert note.times == reach.at
         assert note.problem.pointer == f"/vehicle/components/{index}/extension_range"
         assert note.problem.limit == ends[1]
+        told = consequences_document(found)["cells"][0]
+        assert (told["side"], told["nearest"], told["near"], told["at"]) == ("upper", pytest.approx(0.0), True, True)
+
+    @pytest.mark.parametrize(("share", "near"), [(0.06, False), (0.04, True), (0.001, True)])
+    def test_a_cell_near_its_stop_is_told_with_its_times_and_its_field(
+        self, dual_bellows: Design, share: float, near: bool
+    ) -> None:
+        index, cell = dual_bellows.vehicle.actuated[0]
+        low, high = cell.stroke
+        asked = high - share * (high - low)
+        found, run = found_of(scheduled(dual_bellows, {"time": 2.0, "extension": asked}))
+        told = consequences_document(found)
+        assert told["near_stop"] == NEAR_STOP
+        assert (told["cells"][0]["near"], told["cells"][0]["at"]) == (near, False)
+        notes = [w for w in found.warnings if "stop" in w.problem.message]
+        assert len(notes) == near
+        for note in notes:
+            assert note.severity == "note"
+            assert f"comes within {100 * share:.2g} % of its stroke of its upper stop" in note.problem.message
+            assert note.problem.pointer == f"/vehicle/components/{index}/extension_range"
+            assert note.problem.limit == pytest.approx(high - NEAR_STOP * (high - low))
+            ((start, end),) = note.times
+            inside = (run.times >= start) & (run.times <= end)
+            beyond = run.cell_values["extension"][:, 0] >= note.problem.limit
+            np.testing.assert_array_equal(inside, beyond)
+
+    def test_every_visit_to_a_stop_is_told(self, dual_bellows: Design) -> None:
+        _, cell = dual_bellows.vehicle.actuated[0]
+        low, high = cell.stroke
+        points = [
+            {"time": k + 0.5 * back, "extension": low + 0.1 * (high - low) if back else high}
+            for k in range(20) for back in (0, 1)
+        ]  # fmt: skip
+        found, run = found_of(scheduled(dual_bellows, *points))
+        visits = math.ceil(run.times[-1])  # it surfaces before the end
+        assert visits > 14
+        (note,) = (w for w in found.warnings if "upper stop" in w.problem.message)
+        document = note.as_dict()
+        assert (len(document["times"]), document["more_times"]) == (visits, 0)
+
+    def test_stretches_that_are_too_many_to_send_are_counted(self) -> None:
+        spans = tuple((2.0 * k, 2.0 * k + 1.0) for k in range(MOST_SPANS + 46))
+        document = Warned("note", Problem("/vehicle", "often"), spans).as_dict()
+        assert (document["times"], document["more_times"]) == (spans[:MOST_SPANS], 46)
 
 
 class TestTheHolds:
@@ -220,9 +266,17 @@ class TestTheHolds:
         points = [{"time": float(2 * k), "extension": 0.01 + 0.001 * (k % 6)} for k in range(9)]
         holds, left_out = holds_of(assemble(scheduled(dual_bellows, *points)), None)
         assert len(holds) == MOST_HOLDS
-        assert left_out == 2
+        assert len(left_out) == 2
+        assert spans_of(left_out) == ((8.0, 12.0),)
         assert holds[0].spans == ((0.0, 2.0), (12.0, 14.0))
         assert holds == sorted(holds, key=lambda hold: hold.spans)
+
+    def test_when_the_run_is_in_those_left_out_is_told(self, kernel: None, dual_bellows: Design) -> None:
+        points = [{"time": float(2 * k), "extension": 0.01 + 0.001 * k} for k in range(8)]
+        design = changed(scheduled(dual_bellows, *points), mission__duration=15.5)
+        document = consequences_document(consequences_of(assemble(design), simulate(design), analyses=False))
+        assert document["left_out"] == 4
+        assert document["left_out_spans"] == ((8.0, 15.5),)
 
     def test_of_a_controlled_run_are_its_phases(self, kernel: None) -> None:
         design = load_preset("quad-bellows-heading")

@@ -30,7 +30,7 @@ from studio.scene_display import Display, changed
 from studio.scene_ghost import LARGER, silhouette
 from studio.scene_markers import MOMENTS
 from studio.session import Session
-from studio.view import FOG, View
+from studio.view import CAMERAS, FAR, FOG, View
 from studio.water import points_at, segment_colors
 from tests.studio.conftest import Studio, wait_until
 from tests.studio.raw_client import RawClient
@@ -261,6 +261,18 @@ def test_page_and_server_name_colours_alike() -> None:
     scene = (Path(palette.__file__).parents[1] / "static" / "scene.css").read_text()
     for color in (palette.MOMENT, palette.CENTER_OF_MASS, palette.CENTER_OF_BUOYANCY):
         assert color in scene
+
+
+def test_the_water_hides_what_is_far_off_in_the_ordinary_view(studio: Studio) -> None:
+    async def look(browser: RawClient) -> dict[str, Any]:
+        return await browser.wait_for(lambda m: m["type"] == "FogMessage")
+
+    fog, _ = browse(studio, look)
+    assert fog["enabled"] is True
+    assert tuple(fog["color"]) == palette.rgb(palette.FOG)
+    length = vehicle_length(load_preset("canete-dual-bellows"))
+    farthest = max(np.linalg.norm(place) for name, place in CAMERAS.items() if name != "free") + 0.5
+    assert farthest * length < fog["near"] < fog["far"] < FAR, "the whole vehicle is clear, and no edge is seen"
 
 
 def test_the_water_clears_for_the_overview(studio: Studio) -> None:

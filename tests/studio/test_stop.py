@@ -18,6 +18,7 @@ import httpx
 import pytest
 
 from models.presets import load_preset
+from server.settings import Settings
 from studio import serve
 from studio.exit_codes import DONE
 from tests.server.job_support import slow_sweep
@@ -109,11 +110,20 @@ def test_only_a_start_that_compiles_says_so(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(serve, "SIMULATION_DONE", done)
     monkeypatch.setattr(serve, "warm_kernel", done.touch)
     monkeypatch.setattr(serve, "_settle", lambda: None)
-    serve._prepare_kernel()
+    app = serve.make_app(Settings(data=tmp_path))
+    serve._prepare(app)
     first = capsys.readouterr().out
     assert "the first start on a machine compiles it" in first and "The physics is ready." in first
-    serve._prepare_kernel()
+    serve._prepare(app)
     assert capsys.readouterr().out == "The physics is ready.\n"
+
+
+def test_the_document_of_all_operations_is_there_once_the_physics_is(monkeypatch, tmp_path):
+    monkeypatch.setattr(serve, "warm_kernel", lambda: None)
+    monkeypatch.setattr(serve, "_settle", lambda: None)
+    app = serve.make_app(Settings(data=tmp_path))
+    serve._prepare(app)
+    assert "securitySchemes" in app.openapi_schema["components"]
 
 
 def test_a_token_in_an_address_is_not_in_the_log(kernel, tmp_path):

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from models.environment import UniformCurrent
 from models.presets import load_preset
 from models.simulate import simulate
 from studio.attitude import attitude_of, rotate
@@ -73,26 +74,36 @@ def test_an_edit_moves_the_path(studio: Studio) -> None:
     assert shown == pytest.approx(expected, abs=1e-6)
 
 
-def test_dragging_the_arrows_moves_the_component(studio: Studio) -> None:
-    async def drag(browser: RawClient) -> None:
+def test_dragging_the_arrows_snaps_and_tells_as_dragging_the_part_does(studio: Studio) -> None:
+    gizmo, told = "/glider/gizmo", "/glider/told"
+
+    async def drag(browser: RawClient) -> tuple[str, dict[str, Any]]:
         await browser.wait_for(is_path)
-        named = {"name": "/glider/gizmo", "owner": ""}
-        at = await browser.wait_for(lambda m: m["type"] == "SetPositionMessage" and m["name"] == "/glider/gizmo")
+        heard = len(browser.messages)
+        live = studio.sessions.get(browser.session_id)
+        assert live is not None
+        await asyncio.to_thread(live.set_field, "/vehicle/components/1/position/2", 0.0004)
+        at = await browser.wait_for(lambda m: m["type"] == "SetPositionMessage" and m["name"] == gizmo, after=heard)
         x, y, z = at["position"]
         heard = len(browser.messages)
+        named = {"name": gizmo, "owner": ""}
         await browser.send(type="TransformControlsDragStartMessage", **named)
-        upside_down = (0.0, 1.0, 0.0, 0.0)
         await browser.send(
-            type="TransformControlsUpdateMessage", wxyz=upside_down, position=(x - 0.05, y, z + 0.004), **named
+            type="TransformControlsUpdateMessage", wxyz=(0.0, 1.0, 0.0, 0.0), position=(x - 0.0504, y, z), **named
         )
+        label = await browser.wait_for(lambda m: m.get("name") == told and "props" in m, after=heard)
         await browser.send(type="TransformControlsDragEndMessage", **named)
-        await browser.wait_for(is_path, after=heard)
+        await browser.wait_for(lambda m: m["type"] == "RemoveSceneNodeMessage" and m["name"] == told, after=heard)
+        back = [m for m in browser.messages[heard:] if m["type"] == "SetPositionMessage" and m["name"] == gizmo]
+        return str(label["props"]["text"]), back[-1] | {"from": (x, y, z)}
 
-    _, session_id = browse(studio, drag)
+    (label, arrows), session_id = browse(studio, drag)
     session = studio.sessions.get(session_id)
     assert session is not None
-    # the drag is rounded to a hundredth of a millimetre
-    assert session.design.vehicle.components[1].position == pytest.approx((0.13, 0.0, 0.004), abs=1e-5)
+    # whole millimetres along the arrow; across it the part stays where it was
+    assert session.design.vehicle.components[1].position == pytest.approx((0.13, 0.0, 0.0004), abs=1e-9)
+    assert label == "x 130 mm"
+    assert arrows["position"] == pytest.approx(np.add(arrows["from"], (-0.05, 0.0, 0.0)), abs=1e-9), "with the part"
 
 
 def test_nodes_have_the_physics_own_axes(studio: Studio) -> None:
@@ -134,6 +145,27 @@ def test_the_scene_has_the_nodes_that_the_page_moves(studio: Studio) -> None:
     cells = {f"/glider/cell{i}/stack" for i in (3, 4, 5)}
     parts = {f"/glider/part{i}" for i in (0, 1, 2, 6)}
     assert {"/world", "/world/path", "/glider", "/glider/com", "/glider/cob"} | arrows | cells | parts <= found
+
+
+def test_the_scene_has_the_surface_and_the_current_of_the_design(studio: Studio) -> None:
+    async def look(browser: RawClient) -> dict[str, dict[str, Any]]:
+        await browser.wait_for(lambda m: m.get("name") == "/world/current/label0")
+        return {m["name"]: m for m in browser.messages if "props" in m and "name" in m}
+
+    nodes, _ = browse(studio, look, preset="quad-bellows-heading")
+    current = load_preset("quad-bellows-heading").mission.environment.current
+    assert isinstance(current, UniformCurrent)
+    ways = np.diff(points_of(nodes["/world/current"]), axis=1)[:, 0]
+    assert len(ways) > 1
+    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    # single precision
+    assert ways == pytest.approx(
+        np.tile(np.append(current.velocity, 0.0) / np.hypot(*current.velocity), (len(ways), 1)), abs=1e-4
+    )
+    speed = float(nodes["/world/current/label0"]["props"]["text"].removesuffix(" m/s"))
+    assert speed == pytest.approx(np.hypot(*current.velocity), rel=0.06), "two digits"
+    assert {"/world/surface", "/world/surface_grid", "/world/bed"} <= nodes.keys()
+    assert 0.0 < nodes["/world/surface"]["props"]["opacity"] < 1.0
 
 
 def test_the_server_can_move_the_glider_itself(studio: Studio) -> None:

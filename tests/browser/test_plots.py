@@ -1,0 +1,72 @@
+"""What is drawn on the timeline's canvases: the ground outside of the force data, and the units of the axes."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.timeline_page import Timeline
+
+pytestmark = pytest.mark.browser
+
+CHANGED = """([name, places]) => {
+  const { timeline } = window.__studio;
+  const plot = name === "path" ? timeline.path : timeline.plots.rows[name].plot;
+  const read = () => places.map((t) => {
+    const { columns } = plot.run;
+    const i = columns.t.findIndex((each) => each >= t);
+    const at = name === "path"
+      ? [plot.px(plot.column("across")[i]), plot.pz(plot.column("along")[i])]
+      : [timeline.scale.x(t), plot.canvas.clientHeight / 2];
+    const [x, y] = at.map((v) => Math.round((v - 9) * devicePixelRatio));
+    const side = Math.round(18 * devicePixelRatio);
+    return [...plot.canvas.getContext("2d").getImageData(x, y, side, side).data];
+  });
+  const { run } = plot;
+  read(); // from here on the browser draws this canvas in software: lines must be smoothed in one way
+  plot.draw();
+  const hatched = read();
+  plot.run = { ...run, outside: [] };
+  plot.draw();
+  const clean = read();
+  plot.run = run;
+  plot.draw();
+  return hatched.map((data, k) => data.filter((v, i) => Math.abs(v - clean[k][i]) > 8).length / data.length);
+}"""
+"""Which share of the pixels round some moments of a plot is there because they are outside the data."""
+
+
+@pytest.mark.parametrize("name", [0, 1, "path"])
+def test_what_is_outside_the_force_data_is_hatched(program, bare, name):
+    timeline = Timeline.open_preset(bare, program.url, "three-cell-glider")
+    spans = timeline.state("s.run.outside[0].spans")  # as it turns it is slower than the data
+    inside, clear = sum(spans[1]) / 2.0, (spans[0][1] + spans[1][0]) / 2.0
+    there, elsewhere = bare.evaluate(CHANGED, [name, [inside, clear]])
+    assert there > 0.05
+    assert elsewhere == 0.0
+    bare.evaluate("t => window.__studio.clock.seek(t)", inside)
+    bare.get_by_test_id("plot-path" if name == "path" else f"plot-{name}").focus()
+    tip = bare.locator("#path .tip" if name == "path" else "#tip")
+    expect(tip).to_contain_text(str(timeline.state("s.run.outside[0].what")))
+
+
+def test_every_axis_says_its_unit(program, bare):
+    free = {"left": None, "right": None}
+    chosen = {
+        "spatial": [{"outputs": ["theta", "phi", "heading"], "ranges": free}, {"outputs": ["z", "u"], "ranges": free}]
+    }
+    bare.add_init_script(f"localStorage.setItem('glider-studio.plots', {json.dumps(json.dumps(chosen))})")
+    Timeline.open_preset(bare, program.url, "quad-bellows-spiral")
+    expect(bare.get_by_test_id("plot-row-0").locator("h3")).to_have_text("Angles (°), heading (°) at right")
+    for row, symbols in ((0, ("°", "°")), (1, (" m", " m/s"))):
+        for axis, symbol in enumerate(symbols):
+            ticks = bare.evaluate(
+                """([row, axis]) => {
+                  const found = window.__studio.timeline.plots.rows[row].plot.axes[axis];
+                  return found.ticks.map(({ v }) => found.tell(v));
+                }""",
+                [row, axis],
+            )
+            assert [text.endswith(symbol) for text in ticks].count(True) == 1, ticks
