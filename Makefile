@@ -3,12 +3,12 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: studio test setup setup-dev lint unit browser-tests chromium postgres warm bench docs presets lock clean
+.PHONY: studio test setup setup-dev lint unit browser-tests chromium postgres openssl warm bench docs presets lock clean
 
 studio: setup
 	@$(BIN)/glider-studio serve
 
-test: setup-dev chromium postgres lint unit
+test: setup-dev chromium postgres openssl lint unit
 
 setup: $(VENV)/run.stamp
 setup-dev: $(VENV)/dev.stamp
@@ -50,6 +50,12 @@ postgres:
 	  || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
 	  && apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends postgresql; } \
 	  || echo "PostgreSQL is missing and cannot be installed here: the tests of the store will fail"
+
+# Makes the certificate of the cluster that docs/scale.md sets up, whose commands the tests run.
+openssl:
+	@command -v openssl >/dev/null || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
+	  && apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends openssl; } \
+	  || echo "openssl is missing and cannot be installed here: the test of docs/scale.md will fail"
 
 warm: setup
 	$(BIN)/python -c 'from models.warm import warm_analyses, warm_batch; warm_analyses(); warm_batch()'

@@ -187,8 +187,8 @@ async def _listening(job: OneJob, events: SharedEvents, last: LastEvent = None) 
 async def watch_job(listener: Annotated[Listener, Depends(_listening)]) -> AsyncIterable[ServerSentEvent]:
     """Stream server-sent events: `job`, its data the record, at once and after every change, until the job is over.
 
-    The id of an event counts the job's changes; with Last-Event-ID the stream begins with what was missed. A comment
-    every 15 s keeps the connection open.
+    The id of an event counts the job's changes; with Last-Event-ID the stream begins with the newest record if the job
+    has changed since. A comment every 15 s keeps the connection open.
     """
     while (news := await listener.next()) is not None:
         yield ServerSentEvent(event="job", id=str(news.sequence), raw_data=news.record)
