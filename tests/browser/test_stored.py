@@ -204,6 +204,7 @@ def test_what_a_link_cannot_open_is_told_with_a_way_on(program, page, store):
 def test_the_list_is_searched_and_goes_on(program, page, store):
     for k in range(9):
         store.create(Content(named(f"Listed {k}"), ("odd",) if k % 2 else ()))
+    store.create(Content(named("Newest")))  # which is first until what is sought is there
     page.goto(program.url)
     page.get_by_test_id("stored-search").fill("listed")
     cards = page.get_by_test_id("stored-list").locator("li")
