@@ -7,6 +7,7 @@ import socket
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -75,12 +76,38 @@ def browser() -> Iterator[Browser]:
         opened.close()
 
 
-@pytest.fixture
-def page(browser: Browser) -> Iterator[Page]:
+@contextmanager
+def tab(browser: Browser) -> Iterator[Page]:
     context = browser.new_context(viewport={"width": 1400, "height": 900}, color_scheme="dark")
     context.set_default_timeout(60_000)
     yield context.new_page()
     context.close()
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    with tab(browser) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def opened_once(program: Program, browser: Browser) -> Iterator[StudioPage]:
+    """A glider that banks and turns, opened once for all tests of a module that only look."""
+    with tab(browser) as opened:
+        yield StudioPage.open_document(opened, program.url, spiral_document(duration=300.0))
+
+
+@pytest.fixture
+def turning(opened_once: StudioPage) -> StudioPage:
+    """That glider, shown as when it was opened; a test that edits it takes `turning_alone`."""
+    opened_once.begin_again()
+    return opened_once
+
+
+@pytest.fixture
+def turning_alone(program: Program, page: Page) -> StudioPage:
+    """The same in a session of its own."""
+    return StudioPage.open_document(page, program.url, spiral_document(duration=300.0))
 
 
 @pytest.fixture

@@ -34,6 +34,15 @@ class StudioPage:
         page.goto(f"{url}{answer.json()['url']}?fixedDpr=0.25")
         return cls(page)
 
+    def begin_again(self) -> None:
+        """Show the session as when it was opened, where a test has only looked."""
+        self.page.keyboard.press("Escape")
+        self.page.evaluate("() => { window.__studio.clock.pause(); window.__studio.clock.seek(0); }")
+        moments = self.page.get_by_test_id("toggle-moments")
+        if moments.get_attribute("aria-pressed") == "true":
+            moments.click()
+        self.page.get_by_test_id("camera-side").click()
+
     def edit(self, *patch: dict[str, Any]) -> None:
         """Change the design through the session's operations, as a script beside the page would."""
         address = self.url.split("?")[0]

@@ -68,46 +68,46 @@ def stop_at(studio: StudioPage, time: float) -> None:
     studio.page.evaluate(f"() => window.__studio.clock.seek({time})")
 
 
-def test_an_edit_changes_the_trim_of_the_hold_at_the_clock(studio):
-    page = studio.page
-    settled(studio)
+def test_an_edit_changes_the_trim_of_the_hold_at_the_clock(panel):
+    page = panel.page
+    settled(panel)
     expect(page.locator("#trim-title")).to_have_text("Trim, held 0–10 s")
-    before = studio.readout("trim-pitch")
-    studio.type_number("Position x", 150)
-    studio.wait_for_change("trim-pitch", before)
-    settled(studio)
-    design = loads_design(page.request.get(f"{studio.url.split('?')[0]}design.json").text())
+    before = panel.readout("trim-pitch")
+    panel.type_number("Position x", 150)
+    panel.wait_for_change("trim-pitch", before)
+    settled(panel)
+    design = loads_design(page.request.get(f"{panel.url.split('?')[0]}design.json").text())
     for time, title in ((1.0, "Trim, held 0–10 s"), (15.0, "Trim, held 10–20 s")):
-        stop_at(studio, time)
+        stop_at(panel, time)
         expect(page.locator("#trim-title")).to_have_text(title)
         held = page.evaluate(f"() => window.__studio.consequences.holds[{int(time > 10.0)}].extensions")
         stable = find_trims(design, extensions=held).stable
-        pitch, speed = studio.readout("trim-pitch"), studio.readout("trim-speed")
+        pitch, speed = panel.readout("trim-pitch"), panel.readout("trim-speed")
         assert any(abs(t.pitch - pitch) < 1e-5 and abs(t.speed - speed) < 1e-5 for t in stable)
-    assert studio.readout("trim-glide-angle") > 0.0  # it climbs then
+    assert panel.readout("trim-glide-angle") > 0.0  # it climbs then
     expect(page.get_by_test_id("trim-stable")).to_have_text("stable")
 
 
-def test_numbers_are_compared_with_the_reference(studio):
-    page = studio.page
-    settled(studio)
+def test_numbers_are_compared_with_the_reference(panel):
+    page = panel.page
+    settled(panel)
     expect(page.get_by_test_id("change-trim-pitch")).to_have_text("")
     page.get_by_test_id("compare").click()
     page.get_by_test_id("keep").click()
     expect(page.get_by_test_id("delta-to")).to_have_text("Δ to Run 1")
     page.keyboard.press("Escape")
-    before = studio.readout("trim-pitch")
-    studio.edit({"op": "replace", "path": BODY_X, "value": 0.15})
-    after = studio.wait_for_change("trim-pitch", before)
-    settled(studio)
+    before = panel.readout("trim-pitch")
+    panel.edit({"op": "replace", "path": BODY_X, "value": 0.15})
+    after = panel.wait_for_change("trim-pitch", before)
+    settled(panel)
     change = math.degrees(after - before)
     expect(page.get_by_test_id("change-trim-pitch")).to_have_text(f"{change:+.1f}".replace("-", "\u2212"))
 
 
-def test_a_warning_leads_to_its_field_and_its_time(studio):
-    page = studio.page
-    stop = studio.state("s.components[1].extension_max")
-    studio.edit({"op": "replace", "path": "/mission/control/schedules/0/points/1/extension", "value": stop})
+def test_a_warning_leads_to_its_field_and_its_time(panel):
+    page = panel.page
+    stop = panel.state("s.components[1].extension_max")
+    panel.edit({"op": "replace", "path": "/mission/control/schedules/0/points/1/extension", "value": stop})
     warning = page.get_by_test_id("warnings").locator("details", has_text="is at its upper stop")
     warning.locator("summary").click()
     expect(warning).to_have_attribute("data-severity", "note")
@@ -120,10 +120,10 @@ def test_a_warning_leads_to_its_field_and_its_time(studio):
     expect(page.locator(".doubt.focused").first).to_have_attribute("aria-label", re.compile("upper stop"))
 
 
-def test_a_glider_without_a_trim_says_why(studio):
-    page = studio.page
-    settled(studio)
-    studio.edit(
+def test_a_glider_without_a_trim_says_why(panel):
+    page = panel.page
+    settled(panel)
+    panel.edit(
         {"op": "replace", "path": "/mission/control/schedules", "value": []},
         {"op": "replace", "path": "/mission/initial/extensions", "value": {}},
     )
@@ -134,8 +134,8 @@ def test_a_glider_without_a_trim_says_why(studio):
     page.get_by_test_id("trim-for-find").click()
     expect(page.get_by_test_id("trim-for-found")).to_contain_text("\u221230.0°")
     page.get_by_test_id("trim-for-apply").click()
-    settled(studio)
-    studio.wait_until(lambda: abs(studio.readout("trim-glide-angle") + math.radians(30.0)) < 1e-4)
+    settled(panel)
+    panel.wait_until(lambda: abs(panel.readout("trim-glide-angle") + math.radians(30.0)) < 1e-4)
     page.get_by_test_id("undo").click()
     expect(page.get_by_test_id("trim-missing")).to_contain_text("weighs what it displaces")
     page.get_by_test_id("trim-for-angle").fill("steep")
@@ -147,23 +147,21 @@ def step(time: float, extension: float) -> dict[str, object]:
     return {"time": time, "extension": extension, "shape": "step"}
 
 
-@pytest.mark.parametrize(
-    ("points", "span"),
-    [
-        ([step(0.0, 0.1), step(100.0, 0.2), step(200.0, 0.3)], (100.0, 200.0)),
-        ([step(0.0, 0.1), step(100.0, 0.2), step(200.0, 0.3)], (50.0, 150.0)),
-        ([step(0.0, 0.1), step(60.0, 0.2), step(120.0, 0.1)], (30.0, 300.0)),
-        ([step(120.0, 0.1)], (0.0, 120.0)),
-        ([step(10.0, 0.1), step(40.0, 0.1) | {"shape": "ramp"}], (100.0, 250.0)),
-    ],
-    ids=["whole hold", "across holds", "to the end", "before the first point", "after a ramp"],
-)
-def test_a_wanted_glide_holds_in_its_span_alone(program, bare, points, span):
+HOLDS: dict[str, tuple[list[dict[str, object]], tuple[float, float]]] = {
+    "a whole hold": ([step(0.0, 0.1), step(100.0, 0.2), step(200.0, 0.3)], (100.0, 200.0)),
+    "across holds": ([step(0.0, 0.1), step(100.0, 0.2), step(200.0, 0.3)], (50.0, 150.0)),
+    "to the end": ([step(0.0, 0.1), step(60.0, 0.2), step(120.0, 0.1)], (30.0, 300.0)),
+    "before the first point": ([step(120.0, 0.1)], (0.0, 120.0)),
+    "after a ramp": ([step(10.0, 0.1), step(40.0, 0.1) | {"shape": "ramp"}], (100.0, 250.0)),
+}
+
+
+def test_a_wanted_glide_holds_in_its_span_alone(program, bare):
     bare.goto(program.url)
-    found = bare.evaluate(HELD, [points, span, 0.7, 300.0])
-    assert found == {
-        "operation": ["replace", "/mission/control/schedules/3/points", 0], "held": True, "kept": True, "rising": True,
-    }  # fmt: skip
+    for name, (points, span) in HOLDS.items():
+        found = bare.evaluate(HELD, [points, span, 0.7, 300.0])
+        assert found.pop("operation") == ["replace", "/mission/control/schedules/3/points", 0], name
+        assert found == {"held": True, "kept": True, "rising": True}, name
 
 
 def test_a_mode_moves_the_glider_while_it_plays(studio):
@@ -192,9 +190,9 @@ def test_a_mode_moves_the_glider_while_it_plays(studio):
     expect(page.get_by_test_id("now")).to_be_visible()
 
 
-def test_the_polars_show_the_trims_and_the_run_its_error(studio):
-    page = studio.page
-    settled(studio)
+def test_the_polars_show_the_trims_and_the_run_its_error(panel):
+    page = panel.page
+    settled(panel)
     page.get_by_test_id("glide-polar-open").click()
     expect(page.get_by_test_id("glide-polar-trim")).to_have_count(2)
     expect(page.get_by_test_id("glide-polar-legend")).to_contain_text("Best range")
@@ -209,9 +207,9 @@ def test_the_polars_show_the_trims_and_the_run_its_error(studio):
     assert 0.0 < float(page.get_by_test_id("error-z").get_attribute("data-value")) < 1e-4
     # a group stays as it was left
     page.locator("[data-group=margins] > summary").click()
-    page.wait_for_function("() => JSON.parse(localStorage.getItem('glider-studio.groups'))?.margins === false")
+    page.wait_for_function("() => JSON.parse(localStorage.getItem('glider-panel.groups'))?.margins === false")
     page.reload()
-    StudioPage(page)
+    PanelPage(page)
     expect(page.get_by_test_id("margins")).to_be_hidden()
 
 

@@ -21,7 +21,6 @@ from studio.path_colors import scale_of
 from studio.scene import vehicle_length
 from studio.view import FOG
 from tests.browser.studio_page import StudioPage
-from tests.studio.spiral import spiral_document
 
 pytestmark = pytest.mark.browser
 
@@ -64,11 +63,6 @@ def post(studio: StudioPage, path: str, document: dict[str, Any]) -> None:
     address = studio.url.split("?")[0]
     origin = "/".join(address.split("/")[:3])
     assert studio.page.request.post(address + path, data=document, headers={"Origin": origin}).ok
-
-
-@pytest.fixture
-def turning(program, page) -> StudioPage:
-    return StudioPage.open_document(page, program.url, spiral_document(duration=300.0))
 
 
 @pytest.fixture
@@ -180,26 +174,26 @@ def test_moments_are_shown_when_asked_for_and_named_with_their_unit(turning):
         assert axis == pytest.approx(expected, abs=1e-6)
 
 
-def test_positive_roll_lowers_the_starboard_wing_on_screen(turning):
-    page = turning.page
+def test_positive_roll_lowers_the_starboard_wing_on_screen(turning_alone):
+    page = turning_alone.page
     # the other way round than the published spiral: its mass swings to starboard
-    turning.edit({"op": "replace", "path": "/mission/control/schedules/0/points/0/extension", "value": -0.7})
-    turning.wait_until(lambda: turning.readout("end-roll") > math.radians(5.0))
+    turning_alone.edit({"op": "replace", "path": "/mission/control/schedules/0/points/0/extension", "value": -0.7})
+    turning_alone.wait_until(lambda: turning_alone.readout("end-roll") > math.radians(5.0))
     page.get_by_test_id("camera-chase").click()
-    seek(turning, 250.0)
-    turning.wait_until(lambda: turning.readout("roll") > math.radians(5.0))
+    seek(turning_alone, 250.0)
+    turning_alone.wait_until(lambda: turning_alone.readout("roll") > math.radians(5.0))
     tips = [("/glider", (0.0, side, 0.0)) for side in (-0.6, 0.6)]
 
     def banked() -> bool:
-        port, starboard = on_canvas(turning, *tips)
+        port, starboard = on_canvas(turning_alone, *tips)
         # seen from behind: starboard is to the right, and lower
         return starboard[0] > port[0] + 20.0 and starboard[1] > port[1] + 2.0
 
-    turning.wait_until(banked)
-    port, starboard = on_canvas(turning, *tips)
+    turning_alone.wait_until(banked)
+    port, starboard = on_canvas(turning_alone, *tips)
     bank = math.atan2(starboard[1] - port[1], starboard[0] - port[0])
     # the camera stands above: perspective leaves the bank about as steep as it is
-    assert bank == pytest.approx(turning.readout("roll"), rel=0.35)
+    assert bank == pytest.approx(turning_alone.readout("roll"), rel=0.35)
 
 
 def test_the_compass_and_the_bar_follow_the_camera(turning):
@@ -279,15 +273,15 @@ PANEL = re.compile("connected|connecting|ws://|save canvas|reset view|dev settin
 """What stands on the control panel of Viser's client."""
 
 
-@pytest.mark.parametrize("width", [390, 1024, 1400])
-def test_nothing_of_the_viewers_own_panel_lies_over_the_scene(studio, width):
+def test_nothing_of_the_viewers_own_panel_lies_over_the_scene(studio):
     page = studio.page
-    page.set_viewport_size({"width": width, "height": 844})
-    page.reload()
-    studio.scene("() => window.__viserMutable?.canvas && window.__viserSceneTree.getState()['/glider']")
-    words = view_of(page).get_by_text(PANEL)
-    studio.wait_until(lambda: words.count() >= 3)
-    studio.wait_until(lambda: all(words.nth(k).bounding_box() is None for k in range(words.count())))
+    for width in (390, 1024, 1400):
+        page.set_viewport_size({"width": width, "height": 844})
+        page.reload()
+        studio.scene("() => window.__viserMutable?.canvas && window.__viserSceneTree.getState()['/glider']")
+        words = view_of(page).get_by_text(PANEL)
+        studio.wait_until(lambda found=words: found.count() >= 3)
+        studio.wait_until(lambda found=words: all(found.nth(k).bounding_box() is None for k in range(found.count())))
 
 
 def test_keys_choose_where_to_look_from(studio):

@@ -12,17 +12,13 @@ from models.design import parse_design
 from models.presets import load_preset
 from models.simulate import simulate
 from studio.attitude import attitude_at, rotate
+from tests.browser.panel_page import PanelPage
 from tests.browser.studio_page import StudioPage
 from tests.studio.spiral import spiral_document
 
 pytestmark = pytest.mark.browser
 
 DURATION = 300.0
-
-
-@pytest.fixture
-def turning(program, page) -> StudioPage:
-    return StudioPage.open_document(page, program.url, spiral_document(duration=DURATION))
 
 
 def axes(studio: StudioPage) -> np.ndarray:
@@ -106,10 +102,10 @@ def test_forces_without_data_points_are_drawn_with_their_range(turning):
     expect(page.locator("#polar-fit")).to_be_hidden()
 
 
-def test_the_model_is_chosen_in_the_panel_and_told_what_is_missing(program, page):
+def test_the_model_is_chosen_in_the_panel_and_told_what_is_missing(program, bare):
     document = load_preset("canete-dual-bellows").model_dump(mode="json")
     document["vehicle"]["mass_properties"]["inertia"] |= {"xx": 1e-3, "zz": 1e-2}
-    studio = StudioPage.open_document(page, program.url, document)
+    page, studio = bare, PanelPage.open_document(bare, program.url, document)
     expect(page.get_by_test_id("readout-roll")).to_be_hidden()
     studio.open_section("mission")
     studio.choose("Model", "spatial")
@@ -123,23 +119,23 @@ def test_the_model_is_chosen_in_the_panel_and_told_what_is_missing(program, page
     studio.row("Position y").wait_for()
 
 
-def test_an_offset_cell_banks_the_glider(turning):
+def test_an_offset_cell_banks_the_glider(turning_alone):
     """Through the session's own operations: level the battery, and put the engine to starboard instead."""
-    turning.edit(
+    turning_alone.edit(
         {"op": "remove", "path": "/mission/control/schedules/0"},
         {"op": "replace", "path": "/vehicle/components/2/position/1", "value": 0.05},
     )
-    turning.wait_until(lambda: turning.state("s.components[2].position[1]") == 0.05)
-    turning.wait_until(lambda: turning.state("s.run.cells[0].command.at(-1)") == 0)
+    turning_alone.wait_until(lambda: turning_alone.state("s.components[2].position[1]") == 0.05)
+    turning_alone.wait_until(lambda: turning_alone.state("s.run.cells[0].command.at(-1)") == 0)
     # shrunk, it lifts less to starboard than it weighs: that side goes down, and it turns the other way
-    turning.wait_until(lambda: turning.readout("end-roll") > math.radians(1.0))
-    assert turning.readout("end-heading") < 0.0
+    turning_alone.wait_until(lambda: turning_alone.readout("end-roll") > math.radians(1.0))
+    assert turning_alone.readout("end-heading") < 0.0
     # the plot's line goes on below zero; both numbers are those of the compass
-    turning.page.evaluate(f"() => window.__studio.clock.seek({DURATION})")
-    turning.wait_until(lambda: turning.readout("heading") > math.pi)
-    shown = f"{math.degrees(turning.readout('heading')):.1f}"
-    expect(turning.page.get_by_test_id("readout-heading")).to_have_text(shown)
-    expect(turning.page.get_by_test_id("legend-heading")).to_have_text(f"{shown} °")
+    turning_alone.page.evaluate(f"() => window.__studio.clock.seek({DURATION})")
+    turning_alone.wait_until(lambda: turning_alone.readout("heading") > math.pi)
+    shown = f"{math.degrees(turning_alone.readout('heading')):.1f}"
+    expect(turning_alone.page.get_by_test_id("readout-heading")).to_have_text(shown)
+    expect(turning_alone.page.get_by_test_id("legend-heading")).to_have_text(f"{shown} °")
 
 
 def test_the_bed_is_seen_only_from_near_and_in_the_overview(program, page):
