@@ -207,7 +207,7 @@ def test_the_polars_show_the_trims_and_the_run_its_error(panel):
     assert 0.0 < float(page.get_by_test_id("error-z").get_attribute("data-value")) < 1e-4
     # a group stays as it was left
     page.locator("[data-group=margins] > summary").click()
-    page.wait_for_function("() => JSON.parse(localStorage.getItem('glider-panel.groups'))?.margins === false")
+    page.wait_for_function("() => JSON.parse(localStorage.getItem('glider-studio.groups'))?.margins === false")
     page.reload()
     PanelPage(page)
     expect(page.get_by_test_id("margins")).to_be_hidden()
