@@ -1,9 +1,9 @@
 // A job's page: one state, and the views that follow it. Charts and table show the same cases and share their filter.
 
 import { $, el, setText } from "./dom.js";
-import { caseDesign, caseInStudio, getJob, getSummary } from "./jobapi.js";
+import { caseDesign, caseInStudio, getHealth, getJob, getSummary } from "./jobapi.js";
 import { latestWins } from "./api.js";
-import { MOST_CASES, loadTable } from "./jobdata.js";
+import { MOST_CASES, isPart, loadTable } from "./jobdata.js";
 import { watchJob } from "./jobevents.js";
 import { connectActions, connectDownloads, showFailures, showHead, showProblem } from "./jobhead.js";
 import { Histogram } from "./jobhistogram.js";
@@ -88,6 +88,7 @@ function takeTable(table) {
 }
 
 let fetchedAt = null; // cases done, and state, when the results were last fetched
+let lost = false; // whether the page says that the results could not be fetched
 let pause = EVERY;
 let timer = null;
 
@@ -100,9 +101,13 @@ const load = latestWins(async () => {
   try {
     await loadTable(job, takeTable);
     set({ summary: await getSummary(id) });
+    if (lost) showProblem(null);
+    lost = false;
   } catch (error) {
     fetchedAt = null;
+    lost = true;
     showProblem(error.problem ?? { title: error.message });
+    if (error.problem?.unreachable) loadLater();
   }
   pause = Math.max(EVERY, SHARE * (performance.now() - began));
 });
@@ -111,8 +116,11 @@ const load = latestWins(async () => {
 function loadSoon() {
   const { progress } = get("job");
   const full = get("table")?.size >= MOST_CASES && progress.cases > MOST_CASES;
-  if (timer !== null || full) return;
-  timer = setTimeout(() => {
+  if (!full) loadLater();
+}
+
+function loadLater() {
+  timer ??= setTimeout(() => {
     timer = null;
     load();
   }, pause);
@@ -159,9 +167,16 @@ const ask = connectActions(() => get("job"), {
 
 function showCounts({ table, job, passing }) {
   const shown = passing.reduce((sum, v) => sum + v, 0);
-  const all = table.size < job.progress.done && job.progress.cases > MOST_CASES ? `the first ${whole(table.size)} of ${whole(job.progress.done)} cases; the files hold all` : `${whole(table.size)} ${table.size === 1 ? "case" : "cases"}`;
+  const all = isPart(table, job) ? `the first ${whole(table.size)} of ${whole(job.progress.done)} cases; the files hold all` : `${whole(table.size)} ${table.size === 1 ? "case" : "cases"}`;
   setText($("shown"), shown === table.size ? all : `${whole(shown)} of ${all}`);
   $("unfilter").hidden = shown === table.size && !get("group") && !get("status") && get("brushes").size === 0;
+}
+
+// In a grid the first cases are a corner of the study: every panel that shows them alone must not look like all.
+function showPart({ table, job }) {
+  const some = isPart(table, job);
+  $("part-of-all").hidden = !some;
+  if (some) setText($("part-of-all"), `Charts and table show the first ${whole(table.size)} of ${whole(job.progress.done)} cases, which in a grid are one corner of it. Correlations and indices are of all, as are the files.`);
 }
 
 function showSections({ table, axes }) {
@@ -171,6 +186,13 @@ function showSections({ table, axes }) {
   document.body.dataset.cases = table.size;
 }
 
+async function tellWaiting(job) {
+  if (isOver(job)) return setText($("waiting"), "No case was computed.");
+  setText($("waiting"), "No case is done yet: the first results come here by themselves.");
+  const compiling = (await getHealth().catch(() => null))?.kernel === "compiling";
+  if (compiling && get("job").progress.done === 0) setText($("waiting"), "The physics is being compiled, which a machine's first start takes a few minutes for; the cases are computed after that.");
+}
+
 function connectViews() {
   store.watch(["job", "group"], ({ job, group }) => {
     if (!job) return;
@@ -178,8 +200,8 @@ function connectViews() {
     $("content").hidden = false;
     showHead(job, { ask });
     showFailures(job, { group, pick: (reason) => set({ group: reason, status: "" }) });
-    if (job.progress.done === 0) setText($("waiting"), isOver(job) ? "No case was computed." : "No case is done yet: the first results come here by themselves.");
     $("waiting").hidden = job.progress.done > 0;
+    if (job.progress.done === 0) tellWaiting(job);
   });
   store.watch(["status", "group", "brushes"], ({ table, status, group, brushes }) => {
     if (table) set({ passing: table.passing({ status, group, brushes }) });
@@ -190,6 +212,7 @@ function connectViews() {
     showSections(values);
     fillSelects(values.table);
     showCounts(values);
+    showPart(values);
     list.show({ ...values, filterKey: `${values.status}|${values.group}|${JSON.stringify([...values.brushes])}` });
   });
   store.watch(["table", "passing", "selected", "axes", "sizes"], (values) => {

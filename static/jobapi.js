@@ -25,6 +25,7 @@ export const createJob = (text, { fresh }) => call("POST", address(`jobs${query(
 export const deleteJob = (id) => call("DELETE", address(job(id)));
 export const changeJob = (id, verb) => call("POST", address(`${job(id)}:${verb}`));
 export const eventsAddress = (id) => address(`${job(id)}/events`);
+export const getHealth = () => call("GET", new URL("healthz", ROOT).href);
 export const getSummary = (id) => call("GET", address(`${job(id)}/summary`));
 export const getResults = (id) => call("GET", address(`${job(id)}/results`));
 export const getCases = (id, cursor) => call("GET", address(`${job(id)}/cases${query({ limit: 1000, cursor })}`));

@@ -10,6 +10,9 @@ const PAGES_A_PART = 4;
 const NOISE = 1e-8; // of a metric's largest value: about a solver's tolerance
 const WIDE = 1e4;
 
+// Whether a table holds but the first cases of a job.
+export const isPart = (table, { progress }) => table.size < progress.done && progress.cases > MOST_CASES;
+
 export const isFine = (status) => FINE.includes(status);
 
 // As the server groups them: the reason without its numbers.

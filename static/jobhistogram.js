@@ -1,6 +1,7 @@
 // How a metric is spread: a histogram of the cases that pass, with their percentiles over it and their figures below.
 
 import { $, el, setText } from "./dom.js";
+import { isPart } from "./jobdata.js";
 import { draw } from "./jobplots.js";
 import { spreadOf } from "./jobspread.js";
 import { whole } from "./jobwords.js";
@@ -37,11 +38,12 @@ export class Histogram {
     const trace = { type: "bar", x: middles, y: bins, width: width * 0.94, text, textposition: "none", hovertemplate: "%{text}<extra></extra>",
       marker: { color: cssColor("--series-1"), opacity: 0.75 }, customdata: middles.map((_, k) => [(low + k * width) / scale.per, (low + (k + 1) * width) / scale.per]) };
     const part = passing.includes(0);
-    const about = part ? spreadOf(values) : summary?.metrics[metric];
+    const some = isPart(table, job); // figures of all cases would not be those of these bars
+    const about = part || some ? spreadOf(values) : summary?.metrics[metric];
     this.box.dataset.cases = values.length;
     this.box.setAttribute("aria-label", `Histogram of ${table.label(metric)}, ${values.length} cases; its figures are below`);
     this.readouts(about, scale);
-    setText($("spread-note"), part ? partText(values.length, { brushes, passing }) : wholeText(about, job));
+    setText($("spread-note"), part ? partText(values.length, { brushes, passing }) : some ? `Of the first ${whole(table.size)} of ${whole(job.progress.done)} cases.` : wholeText(about, job));
     const drawn = draw(this.box, [trace], { x: { title: table.label(metric) }, y: { title: "Cases", rangemode: "tozero" }, bargap: 0, ...this.marks(about, { table, metric, scale }) });
     this.listen(metric);
     return drawn;

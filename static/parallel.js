@@ -9,6 +9,7 @@ const ROOM = 104; // pixels an axis needs
 const COLORS = 24;
 const ROUNDS = 10; // the colours are drawn in turns: else the last would cover the rest
 const STEP = 0.02; // of an axis, for a press of an arrow key
+const ON_THE_PROCESSOR = { willReadFrequently: true }; // thousands of thin lines: a graphics processor made of software takes a minute
 const SLACK = 3; // pixels a pointer may move and still not have brushed
 
 const mix = (a, b, t) => a.map((v, k) => Math.round(v + (b[k] - v) * t));
@@ -55,7 +56,7 @@ export class Parallel {
     this.bounds = new Map(names.map((name) => [name, wide(table.bounds(name))]));
     const gap = names.length > 1 ? (width - 2 * PAD.side) / (names.length - 1) : 0;
     this.at = new Map(names.map((name, k) => [name, PAD.side + k * gap]));
-    this.drawLines(prepare(this.canvas, width, height), { names, passing, color: axes.color ?? axes.y, selected, slotColor });
+    this.drawLines(prepare(this.canvas, width, height, ON_THE_PROCESSOR), { names, passing, color: axes.color ?? axes.y, selected, slotColor });
     this.placeAxes(names);
     this.box.dataset.axes = names.length;
     this.box.dataset.brushes = brushes.size;

@@ -2,14 +2,15 @@
 
 const FONT = '11px -apple-system, BlinkMacSystemFont, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif';
 
-// Sizes the backing store to the screen's pixels; returns a context that draws in CSS pixels.
-export function prepare(canvas, width, height) {
+// Sizes the backing store to the screen's pixels; returns a context that draws in CSS pixels. `options` are those of the
+// context, of which the first to ask for it decides.
+export function prepare(canvas, width, height, options = {}) {
   const ratio = window.devicePixelRatio || 1;
   canvas.width = Math.round(width * ratio);
   canvas.height = Math.round(height * ratio);
   canvas.style.width = `${width}px`;
   canvas.style.height = `${height}px`;
-  const context = canvas.getContext("2d");
+  const context = canvas.getContext("2d", options);
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
   context.font = FONT;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 
 import numpy as np
 import pytest
@@ -144,3 +145,28 @@ def test_a_job_that_knows_enough_is_a_success(program, watched, api):
     assert page.get_by_test_id("reason").evaluate("n => getComputedStyle(n).borderLeftColor") == page.evaluate(
         VARIABLE, "--good"
     )
+
+
+def test_a_page_of_the_first_cases_says_so(program, page, api, swept):
+    """As of a job of more cases than a page holds: the figures beside bars are of those bars."""
+    kind = "text/javascript"
+    page.route("**/static/jobdata.js", lambda route: route.fulfill(body=few(route.fetch().text()), content_type=kind))
+    opened(page, program, swept)
+    expect(page.get_by_test_id("part-of-all")).to_contain_text(f"the first 7 of {SLIGHTLY} cases")
+    expect(page.get_by_test_id("spread-note")).to_have_text(f"Of the first 7 of {SLIGHTLY} cases.")
+    page.get_by_test_id("metric").select_option("range")
+    ranges = [case["metrics"]["range"] for case in api.get(f"jobs/{swept}/cases?limit=7")["items"]]
+    expect(page.get_by_test_id("spread")).to_contain_text(f"Mean{page.evaluate(SHOWN, float(np.mean(ranges)))}")
+
+
+def few(module: str) -> str:
+    assert "MOST_CASES = 20_000" in module
+    return module.replace("MOST_CASES = 20_000", "MOST_CASES = 7")
+
+
+def test_a_lost_connection_is_forgotten_once_it_is_back(program, page, swept):
+    page.route(re.compile(r"/results(\?|$)"), lambda route: route.abort(), times=1)
+    page.goto(f"{program.url}/jobs/{swept}")
+    expect(page.get_by_test_id("problem")).to_contain_text("cannot be reached")
+    expect(page.get_by_test_id("problem")).to_be_hidden(timeout=20_000)  # it tries again by itself
+    expect(page.get_by_test_id("spread")).to_contain_text("Mean")
