@@ -4,7 +4,7 @@
 import { messages } from "./nodemessages.js";
 import { annotated } from "./picture.js";
 import { labelChoice } from "./scenelabels.js";
-import { applySkin } from "./viewerskin.js";
+import { applySkin, mendOutlines } from "./viewerskin.js";
 
 const HOOK_PATIENCE = 8000; // ms after the iframe's load before the fallback starts
 const CHECK_EVERY = 300; // ms between comparisons of wanted and shown
@@ -148,6 +148,7 @@ export class Viewer {
     this.watchLink(mutable);
     if (!mutable) return;
     this.everReady = true;
+    mendOutlines(mutable.scene);
     const tree = this.tree();
     if (!tree || mutable.messageQueue.length > 0) return;
     const corrections = [];

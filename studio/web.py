@@ -33,9 +33,9 @@ from studio import (
 )
 from studio.access import (
     PAGE_HEADERS,
-    Admitted,
     AnySessions,
     SettingsNow,
+    find_session,
     has_token,
     provide,
     set_session_cookie,
@@ -48,6 +48,10 @@ from studio.thumbnail import preset_svg
 REAP_EVERY = 60.0
 TOKEN_UNKNOWN = (
     "Ask whoever runs this studio for its address with your token, and open that: http://…/?token=… as it is."
+)
+NOT_YOURS = (
+    "A session opens only in the browser that began it. Ask for a link to a saved design, or for the design as a file, "
+    "and open that; or begin with a preset."
 )
 pages = APIRouter(include_in_schema=False)
 
@@ -172,6 +176,10 @@ def _design_of_form(body: bytes) -> Design:
 
 
 @pages.get("/s/{session_id}/")
-def get_page(opened: Admitted) -> Response:
-    """Answer the page of a session."""
+def get_page(session_id: str, request: Request, sessions: AnySessions) -> Response:
+    """Answer the page of a session; to anybody else one that says why not, and how to go on."""
+    opened = find_session(sessions, request, session_id)
+    if opened is None:
+        return problem_page(request, 403, "This session is not yours, or it is over", NOT_YOURS)
+    opened.touch()
     return file_page("studio.html", PAGE_HEADERS)

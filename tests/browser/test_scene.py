@@ -269,6 +269,14 @@ def test_a_low_scene_begins_with_its_legend_in_one_row(studio):
     expect(lift).to_be_visible()
 
 
+OUTLINES = """() => {
+  const found = new Set();
+  window.__viserMutable.scene.traverse(({ material }) => {
+    for (const one of [material].flat()) if (one?.uniforms?.screenspace) found.add(one.fog === false);
+  });
+  return [...found];
+}"""
+"""Whether the outlines, which are told by a uniform of theirs, do without fog."""
 PANEL = re.compile("connected|connecting|ws://|save canvas|reset view|dev settings|scene tree", re.IGNORECASE)
 """What stands on the control panel of Viser's client."""
 
@@ -386,6 +394,20 @@ def test_a_cell_is_dragged_with_its_mirror_image(quad):
     page.get_by_test_id("undo").click()
     quad.wait_until(lambda: quad.state(place.format(5)) == starboard)
     assert quad.state(place.format(4)) == port
+
+
+def test_pointing_at_a_part_breaks_no_picture_off(quad):
+    """The client's outline of what is pointed at lacks what fog needs: the picture would end where it is drawn."""
+    page, broken = quad.page, []
+    page.on("pageerror", lambda error: broken.append(str(error)))
+    quad.wait_until(lambda: view_of(page).evaluate(OUTLINES) == [True])
+    cell = quad.state("s.components.find(c => c.cell).index")
+    (at,) = on_canvas(quad, (f"/glider/cell{cell}/stack", (0.0, 0.0, 0.0)))
+    frame = page.locator("iframe#view").bounding_box()
+    page.mouse.move(frame["x"] + at[0] - 30, frame["y"] + at[1])
+    page.mouse.move(frame["x"] + at[0], frame["y"] + at[1], steps=4)
+    page.wait_for_timeout(1500)
+    assert broken == []
 
 
 def test_a_locked_cell_cannot_be_dragged_and_a_hidden_one_is_not_seen(quad):

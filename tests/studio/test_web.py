@@ -96,6 +96,13 @@ def test_only_the_pages_own_files_are_served(studio: Studio, name: str) -> None:
         assert client.get("/static/main.js").status_code == 200
 
 
+def test_the_page_of_somebody_elses_session_says_how_to_go_on(studio: Studio, opened: tuple[httpx.Client, str]) -> None:
+    with studio.client as stranger:
+        answer = stranger.get(f"/s/{opened[1]}/")
+    assert answer.status_code == 403 and answer.headers["content-type"].startswith("text/html")
+    assert "This session is not yours, or it is over" in answer.text and "Presets and stored designs" in answer.text
+
+
 def test_presets_have_pictures(studio: Studio) -> None:
     with studio.client as client:
         answer = client.get("/presets/canete-dual-bellows.svg")
