@@ -131,17 +131,22 @@ export class PartsTree {
     name.replaceChildren(box);
     box.focus();
     box.select();
+    let asked = false;
     const end = (focus) => {
       if (this.renaming !== index) return;
+      const stayed = document.activeElement === box; // who has gone on meanwhile is not called back
       this.renaming = null;
       root.draggable = true;
       setText(name, this.components[index]?.name ?? before);
-      if (focus) root.focus();
+      if (focus && stayed) root.focus();
     };
     const take = async (focus) => {
+      if (asked || this.renaming !== index) return;
+      asked = true;
       const wanted = box.value.trim();
       if (wanted === before || (await this.hooks.rename(index, wanted))) end(focus);
       else box.setAttribute("aria-invalid", "true");
+      asked = false;
     };
     box.addEventListener("keydown", (event) => {
       event.stopPropagation();

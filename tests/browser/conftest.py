@@ -7,12 +7,11 @@ import socket
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 import uvicorn
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 from models.presets import load_preset
 from models.warm import warm_kernel
@@ -25,8 +24,18 @@ from tests.studio.spiral import spiral_document
 
 FLAGS = [
     "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--disable-sync", "--disable-gpu", "--enable-unsafe-swiftshader",
 ]  # fmt: skip
+"""WebGL is drawn in software, and so is the page around it, by what draws pages fastest that way."""
+EMPTY_VIEW = """(() => {
+  const { src } = Object.getOwnPropertyDescriptors(HTMLIFrameElement.prototype);
+  const empty = "<!doctype html><html lang='en'><title>Nothing</title></html>";
+  const set = function (value) {
+    if (value.startsWith("view/")) this.srcdoc = empty;
+    else src.set.call(this, value);
+  };
+  Object.defineProperty(HTMLIFrameElement.prototype, "src", { ...src, set });
+})()"""
 
 
 class Program:
@@ -76,25 +85,38 @@ def browser() -> Iterator[Browser]:
         opened.close()
 
 
-@contextmanager
-def tab(browser: Browser) -> Iterator[Page]:
-    context = browser.new_context(viewport={"width": 1400, "height": 900}, color_scheme="dark")
-    context.set_default_timeout(60_000)
-    yield context.new_page()
-    context.close()
+@pytest.fixture(scope="package")
+def context(browser: Browser) -> Iterator[BrowserContext]:
+    """What all tabs share, as one person's do: files that were loaded before, with which a page opens sooner."""
+    opened = browser.new_context(viewport={"width": 1400, "height": 900}, color_scheme="dark")
+    opened.set_default_timeout(60_000)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture(scope="package")
+def cleaner(program: Program, context: BrowserContext) -> Page:
+    """A tab that is never looked at, through which what pages keep is forgotten."""
+    opened = context.new_page()
+    opened.goto(f"{program.url}/healthz")
+    return opened
 
 
 @pytest.fixture
-def page(browser: Browser) -> Iterator[Page]:
-    with tab(browser) as opened:
-        yield opened
+def page(context: BrowserContext, cleaner: Page) -> Iterator[Page]:
+    """A new tab of somebody who has not been here before."""
+    cleaner.evaluate("() => localStorage.clear()")
+    opened = context.new_page()
+    yield opened
+    opened.close()
 
 
 @pytest.fixture(scope="module")
-def opened_once(program: Program, browser: Browser) -> Iterator[StudioPage]:
+def opened_once(program: Program, context: BrowserContext) -> Iterator[StudioPage]:
     """A glider that banks and turns, opened once for all tests of a module that only look."""
-    with tab(browser) as opened:
-        yield StudioPage.open_document(opened, program.url, spiral_document(duration=300.0))
+    opened = context.new_page()
+    yield StudioPage.open_document(opened, program.url, spiral_document(duration=300.0))
+    opened.close()
 
 
 @pytest.fixture
@@ -112,15 +134,14 @@ def turning_alone(program: Program, page: Page) -> StudioPage:
 
 @pytest.fixture
 def studio(program: Program, page: Page) -> StudioPage:
-    """The paper's preset, opened from the list of presets as a person does."""
+    """The paper's preset."""
     return StudioPage.open_preset(page, program.url, "canete-dual-bellows")
 
 
 @pytest.fixture
 def bare(page: Page) -> Page:
-    """A tab in which the 3D view stays empty."""
-    page.context.route("**/s/*/view/**", lambda route: route.fulfill(status=200, content_type="text/html", body=""))
-    page.context.route("**/s/*/clock", lambda route: route.fulfill(status=204))
+    """A tab in which the 3D view stays empty: drawn in software it slows all that asks nothing of it."""
+    page.add_init_script(EMPTY_VIEW)
     return page
 
 

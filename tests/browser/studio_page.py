@@ -9,6 +9,8 @@ from typing import Any
 
 from playwright.sync_api import Locator, Page
 
+from models.presets import load_preset
+
 
 class StudioPage:
     """One open session in a browser tab."""
@@ -19,18 +21,14 @@ class StudioPage:
 
     @classmethod
     def open_preset(cls, page: Page, url: str, preset: str) -> StudioPage:
-        page.goto(f"{url}/")
-        page.get_by_test_id(f"open-{preset}").click()
-        page.wait_for_url(re.compile(r"/s/[^/]+/"), wait_until="commit")
-        # a quarter of the pixels: the test machine draws in software
-        page.goto(page.url.split("?")[0] + "?fixedDpr=0.25")
-        return cls(page)
+        return cls.open_document(page, url, load_preset(preset).model_dump(mode="json"))
 
     @classmethod
     def open_document(cls, page: Page, url: str, document: dict[str, Any]) -> StudioPage:
         """Open a design document as the page of presets does with a file."""
         answer = page.request.post(f"{url}/sessions", data=document)
         assert answer.status == 201, answer.text()
+        # a quarter of the pixels: the test machine draws in software
         page.goto(f"{url}{answer.json()['url']}?fixedDpr=0.25")
         return cls(page)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from importlib.resources import files
 from typing import Any
 
@@ -84,17 +83,9 @@ def assert_accessible_in_both(page: Page) -> None:
 
 
 @pytest.fixture
-def flat(page: Page) -> Page:
-    """A tab without the 3D view in its frame: Viser's client is another program, and slow to draw."""
-    empty = "<!doctype html><html lang='en'><title>Nothing</title></html>"
-    page.route(re.compile(r"/view/(\?|$)"), lambda route: route.fulfill(body=empty, content_type="text/html"))
-    return page
-
-
-@pytest.fixture
-def alone(program: Program, flat: Page) -> Page:
+def alone(program: Program, bare: Page) -> Page:
     """The studio's page of the paper's preset."""
-    return Timeline.open_preset(flat, program.url, "canete-dual-bellows").page
+    return Timeline.open_preset(bare, program.url, "canete-dual-bellows").page
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
@@ -125,27 +116,27 @@ def test_menus_and_dialogs_of_the_studio_are_accessible(alone, scheme):
         alone.keyboard.press("Escape")
 
 
-def test_all_that_opens_over_a_glider_that_turns_is_accessible(program, flat):
-    spiral = Timeline.open_preset(flat, program.url, "quad-bellows-spiral")
-    assert_accessible_in_both(flat)
-    flat.get_by_test_id("display").click()
-    assert_accessible_in_both(flat)
-    flat.keyboard.press("Escape")
-    flat.get_by_test_id("parts-add").click()
-    flat.get_by_test_id("parts-menu").wait_for()
-    assert_accessible_in_both(flat)
-    flat.keyboard.press("Escape")
+def test_all_that_opens_over_a_glider_that_turns_is_accessible(program, bare):
+    spiral = Timeline.open_preset(bare, program.url, "quad-bellows-spiral")
+    assert_accessible_in_both(bare)
+    bare.get_by_test_id("display").click()
+    assert_accessible_in_both(bare)
+    bare.keyboard.press("Escape")
+    bare.get_by_test_id("parts-add").click()
+    bare.get_by_test_id("parts-menu").wait_for()
+    assert_accessible_in_both(bare)
+    bare.keyboard.press("Escape")
     spiral.part(CELL).click(button="right")
-    flat.get_by_test_id("parts-menu").wait_for()
-    assert_accessible_in_both(flat)
-    flat.keyboard.press("Escape")
-    flat.get_by_test_id("tab-modes").click()
-    flat.get_by_test_id("modes-table").wait_for()
-    assert_accessible_in_both(flat)
-    flat.get_by_test_id("tab-readouts").click()
-    flat.get_by_test_id("glide-polar-open").click()
-    flat.get_by_test_id("glide-polar-trim").first.wait_for()
-    assert_accessible_in_both(flat)
+    bare.get_by_test_id("parts-menu").wait_for()
+    assert_accessible_in_both(bare)
+    bare.keyboard.press("Escape")
+    bare.get_by_test_id("tab-modes").click()
+    bare.get_by_test_id("modes-table").wait_for()
+    assert_accessible_in_both(bare)
+    bare.get_by_test_id("tab-readouts").click()
+    bare.get_by_test_id("glide-polar-open").click()
+    bare.get_by_test_id("glide-polar-trim").first.wait_for()
+    assert_accessible_in_both(bare)
 
 
 def test_all_that_opens_over_the_timeline_is_accessible(alone):
@@ -166,23 +157,23 @@ def test_all_that_opens_over_the_timeline_is_accessible(alone):
     assert_accessible_in_both(alone)
 
 
-def test_a_conflict_of_two_writers_is_told_accessibly(program, flat):
+def test_a_conflict_of_two_writers_is_told_accessibly(program, bare):
     database = Database(sqlite_url(program.data / "studio.sqlite"))
     store = DesignStore(database)
     design = load_preset("canete-dual-bellows")
     stored = store.create(Content(design))
-    flat.goto(f"{program.url}/d/{stored.id}")
-    flat.wait_for_function("() => window.__studio?.state?.run")
+    bare.goto(f"{program.url}/d/{stored.id}")
+    bare.wait_for_function("() => window.__studio?.state?.run")
     patch = [{"op": "replace", "path": "/vehicle/components/1/position/0", "value": 0.15}]
-    changed = flat.request.post(f"{flat.url.split('?')[0]}edit", data={"patch": patch})
+    changed = bare.request.post(f"{bare.url.split('?')[0]}edit", data={"patch": patch})
     assert changed.ok, changed.text()
-    flat.wait_for_function("() => window.__studio.state.origin.changed")
+    bare.wait_for_function("() => window.__studio.state.origin.changed")
     theirs = design.model_copy(update={"name": "Theirs"})
     store.change(stored.id, lambda before: Content(theirs, before.tags), comment="By another")
     database.close()
-    flat.get_by_test_id("save").click()
-    flat.get_by_test_id("conflict").wait_for()
-    assert_accessible_in_both(flat)
+    bare.get_by_test_id("save").click()
+    bare.get_by_test_id("conflict").wait_for()
+    assert_accessible_in_both(bare)
 
 
 def test_the_page_of_a_job_is_accessible(program, page, swept, partial):
@@ -231,19 +222,19 @@ def test_a_browser_that_cannot_draw_in_3d_is_told_so_and_shows_the_rest(program,
 
 
 @pytest.mark.parametrize("preset", ["quad-bellows-spiral", "three-cell-glider"])
-def test_the_force_data_are_named_with_their_range_on_a_small_screen(program, flat, preset):
-    flat.set_viewport_size({"width": 1280, "height": 720})
-    flat.add_init_script(f"({KEEP_SOURCE})()")
-    Timeline.open_preset(flat, program.url, preset)
-    name = flat.evaluate("() => window.__studio.state.hydrodynamics")
+def test_the_force_data_are_named_with_their_range_on_a_small_screen(program, bare, preset):
+    bare.set_viewport_size({"width": 1280, "height": 720})
+    bare.add_init_script(f"({KEEP_SOURCE})()")
+    Timeline.open_preset(bare, program.url, preset)
+    name = bare.evaluate("() => window.__studio.state.hydrodynamics")
     for lost in (False, True):
         if lost:
-            flat.evaluate("() => window.__source.dispatchEvent(new Event('error'))")
-            expect(flat.get_by_test_id("status")).to_have_attribute("data-state", "offline")
+            bare.evaluate("() => window.__source.dispatchEvent(new Event('error'))")
+            expect(bare.get_by_test_id("status")).to_have_attribute("data-state", "offline")
         for shown in ("hydrodynamics-source", "hydrodynamics-range", "source-title", "source-range"):
-            assert flat.get_by_test_id(shown).evaluate(IN_VIEW) >= 60.0, shown
-        assert name in (flat.get_by_test_id("hydrodynamics").get_attribute("title") or "")
-        assert flat.get_by_test_id("source-title").get_attribute("title") == name
+            assert bare.get_by_test_id(shown).evaluate(IN_VIEW) >= 60.0, shown
+        assert name in (bare.get_by_test_id("hydrodynamics").get_attribute("title") or "")
+        assert bare.get_by_test_id("source-title").get_attribute("title") == name
 
 
 def test_keys_of_all_parts_of_the_page_are_in_its_list(alone):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -38,7 +39,11 @@ def test_presets_are_listed_with_pictures(program, page):
     page.wait_for_function("() => [...document.images].every(i => i.complete && i.naturalWidth > 0)")
 
 
-def test_opening_a_preset_shows_its_glide(studio):
+def test_opening_a_preset_from_the_list_shows_its_glide(program, page):
+    page.goto(program.url)
+    page.get_by_test_id("open-canete-dual-bellows").click()
+    page.wait_for_url(re.compile(r"/s/[^/]+/"))
+    studio = StudioPage(page)
     depth = studio.readout("end-depth")
     assert depth == pytest.approx(end_depth(saved_design(studio)), abs=1e-6)  # state rounds to 7 digits
     expect(studio.page.get_by_test_id("readout-end-depth")).to_contain_text(f"{depth:.3f}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import expect
 
 from models.presets import load_preset
 from tests.browser.timeline_page import Timeline, center
@@ -33,20 +33,13 @@ SAME_COMMAND = """async ([name, by, wrap]) => {
 
 
 @pytest.fixture
-def flat(page: Page) -> Page:
-    """A tab without the 3D view, which this machine draws in software: it would slow all that asks nothing of it."""
-    page.route("**/view/**", lambda route: route.abort())
-    return page
+def spiral(program, bare) -> Timeline:
+    return Timeline.open_preset(bare, program.url, SPIRAL)
 
 
 @pytest.fixture
-def spiral(program, flat) -> Timeline:
-    return Timeline.open_preset(flat, program.url, SPIRAL)
-
-
-@pytest.fixture
-def lake(program, flat) -> Timeline:
-    return Timeline.open_preset(flat, program.url, LAKE)
+def lake(program, bare) -> Timeline:
+    return Timeline.open_preset(bare, program.url, LAKE)
 
 
 def test_chosen_points_move_together_in_one_step_of_undo(spiral):
@@ -327,9 +320,9 @@ def test_a_kept_run_is_laid_over(lake):
     page.wait_for_function(f"() => {kept}.length === 0")
 
 
-def test_what_happened_is_marked_over_the_lanes(program, flat):
+def test_what_happened_is_marked_over_the_lanes(program, bare):
     """A yo-yo between waypoints."""
-    page = flat
+    page = bare
     document = load_preset("quad-bellows-waypoints").model_dump(mode="json")
     document["mission"]["duration"] = 3000.0
     timeline = Timeline.open_document(page, program.url, document)
@@ -347,31 +340,31 @@ def test_what_happened_is_marked_over_the_lanes(program, flat):
     expect(page.get_by_test_id(f"lane-{PORT}")).to_have_attribute("data-controlled", "true")
 
 
-def test_marks_of_surface_switches_end_stops_and_bed(program, flat):
+def test_marks_of_surface_switches_end_stops_and_bed(program, bare):
     document = load_preset("quad-bellows-waypoints").model_dump(mode="json")
     document["mission"]["duration"] = 300.0
     vertical = document["mission"]["control"]["controller"]["vertical"]
     vertical |= {"top": 0.0, "bottom": 40.0, "first": "climb"}
-    timeline = Timeline.open_document(flat, program.url, document)
+    timeline = Timeline.open_document(bare, program.url, document)
 
     def marked(*kinds: str) -> None:
         timeline.wait_until(lambda: {e["kind"] for e in timeline.state("s.run.events")} == set(kinds))
         for kind in kinds:
-            mark = flat.locator(f".mark.{kind}").first
+            mark = bare.locator(f".mark.{kind}").first
             expect(mark).to_be_visible()
             assert mark.locator("path").evaluate("path => path.getBBox().width") > 0.0
 
     marked("surface", "end_of_stroke")
-    expect(flat.locator(".mark.end_of_stroke").first).to_have_attribute("aria-label", re.compile("cell: end stop at"))
+    expect(bare.locator(".mark.end_of_stroke").first).to_have_attribute("aria-label", re.compile("cell: end stop at"))
     dives = vertical | {"top": 0.5, "first": "dive"}
     timeline.edit({"op": "replace", "path": "/mission/control/controller/vertical", "value": dives})
     marked("climb")
     timeline.edit({"op": "replace", "path": "/mission/environment/bed_depth", "value": 30.0})
     marked("bed")
-    expect(flat.locator(".mark.bed")).to_have_attribute("aria-label", re.compile("^Bed at "))
-    flat.locator(".mark.bed").press("Enter")
+    expect(bare.locator(".mark.bed")).to_have_attribute("aria-label", re.compile("^Bed at "))
+    bare.locator(".mark.bed").press("Enter")
     end = timeline.state("s.run.columns.t.at(-1)")
-    assert flat.evaluate("() => window.__studio.clock.t") == pytest.approx(end, abs=0.01)
+    assert bare.evaluate("() => window.__studio.clock.t") == pytest.approx(end, abs=0.01)
 
 
 def test_a_lane_is_hatched_where_the_cell_is_near_a_stop(lake):
