@@ -1,37 +1,21 @@
 // Bookmarks: moments of the glide with names, kept by this browser for each design.
 
 import { $, el, setText, svg } from "./dom.js";
+import { ForDesigns, designOf } from "./fordesign.js";
 import { clockText } from "./format.js";
 import { onKey } from "./keys.js";
 import { connectMenu } from "./menu.js";
 
-const KEY = "glider-studio.bookmarks";
+const KEPT = new ForDesigns("bookmarks");
 const MOST = 50; // of one design
-const MOST_DESIGNS = 40; // whose bookmarks are remembered; the oldest go first
 const SAME = 1e-3; // s
 
-function readAll() {
-  try {
-    const kept = JSON.parse(localStorage.getItem(KEY) ?? "{}");
-    return kept && typeof kept === "object" && !Array.isArray(kept) ? kept : {};
-  } catch {
-    return {};
-  }
-}
-
-function write(design, bookmarks) {
-  const { [design]: _, ...others } = readAll();
-  const rest = Object.entries(others).slice(-(MOST_DESIGNS - 1));
-  try {
-    localStorage.setItem(KEY, JSON.stringify(Object.fromEntries(bookmarks.length ? [...rest, [design, bookmarks]] : rest)));
-  } catch {
-    // Held by this page alone where the browser keeps nothing.
-  }
-}
-
 const isBookmark = (one) => Number.isFinite(one?.t) && typeof one?.name === "string";
-const read = (design) => (Array.isArray(readAll()[design]) ? readAll()[design].filter(isBookmark).slice(0, MOST) : []);
-const designOf = ({ id, origin }) => (origin?.kind === "stored" ? `design ${origin.design_id}` : `session ${id}`);
+
+function read(design) {
+  const kept = KEPT.read(design);
+  return Array.isArray(kept) ? kept.filter(isBookmark).slice(0, MOST) : [];
+}
 
 const cross = () => svg("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: "m4 4 8 8m0-8-8 8" }));
 
@@ -97,7 +81,7 @@ export function connectBookmarks({ store, clock }) {
   }
 
   store.watch(["bookmarks"], ({ bookmarks }) => {
-    if (design) write(design, bookmarks); // the timeline drags them, too
+    if (design) KEPT.write(design, bookmarks.length ? bookmarks : null); // the timeline drags them, too
     show();
   });
   store.watch(["state"], ({ state }) => {

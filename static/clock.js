@@ -10,7 +10,8 @@ export class Clock {
     this.end = 0;
     this.speed = 1;
     this.loop = false;
-    this.range = null; // {from, to}, or null for the whole run
+    this.asked = null; // the range {from, to} that was set, which a shorter run may not hold; null for the whole run
+    this.range = null; // as much of it as the run has
     this.playing = false;
     this.ranOut = false; // whether playing came to the end of what is played, and nothing was done since
     this.listeners = [];
@@ -40,7 +41,7 @@ export class Clock {
   setEnd(end) {
     this.end = end;
     this.t = Math.min(this.t, end);
-    if (this.range) this.range = this.within(this.range);
+    this.range = this.asked && this.within(this.asked); // a longer run brings back what a shorter one cut off
     if (end <= 0) this.playing = false;
     this.tell();
   }
@@ -72,8 +73,14 @@ export class Clock {
 
   // The whole run is no range.
   setRange(range) {
-    this.range = range && this.within(range);
+    this.asked = this.range = range && this.within(range);
     this.ranOut = false;
+    this.tell();
+  }
+
+  // What was set when the page was last open, perhaps before there is a run.
+  ask(range, loop) {
+    Object.assign(this, { asked: range, range: range && this.within(range), loop });
     this.tell();
   }
 

@@ -2,8 +2,7 @@
 // The reference is drawn as a ghost in the scene (`view.ghost`) and is what others compare with (`reference`).
 
 import { $, el, setText, svg } from "./dom.js";
-import { clockText } from "./format.js";
-import { colorOf, forgetRun, keepRun, renameRun } from "./keptruns.js";
+import { aboutKept, colorOf, forgetRun, keepRun, renameRun } from "./keptruns.js";
 import { onKey } from "./keys.js";
 import { connectMenu } from "./menu.js";
 
@@ -24,10 +23,17 @@ function row(kept, { reference, choose, rename, forget }) {
   name.addEventListener("keydown", (event) => event.key === "Enter" && name.blur());
   const chosen = reference === kept.id;
   return el("li", { "data-testid": `kept-${kept.id}` }, badge(kept), name,
-    el("span", { class: "run-about" }, `${kept.model} · ${clockText(kept.end, kept.end)}`),
+    el("span", { class: "run-about" }, aboutKept(kept)),
     el("button", { class: "btn small", type: "button", "aria-pressed": String(chosen), "aria-label": `Reference: ${kept.name}`,
       title: "Drawn as a ghost in the scene, and compared with", "data-testid": `reference-${kept.id}`, onclick: () => choose(chosen ? null : kept.id) }, "Reference"),
-    el("button", { class: "btn icon quiet-icon", type: "button", "aria-label": `Delete ${kept.name}`, title: "Delete", "data-testid": `forget-${kept.id}`, onclick: () => forget(kept) }, cross()));
+    el("button", { class: "btn icon quiet-icon", type: "button", "aria-label": `Delete ${kept.name}`, title: "Delete", "data-testid": `forget-${kept.id}`, onclick: () => forget(kept) }, cross()),
+    kept.note && el("p", { class: "run-note", "data-testid": `kept-note-${kept.id}` }, kept.note));
+}
+
+// Told where the menu is closed, too.
+function showFailed(failed) {
+  $("compare-count").classList.toggle("bad", failed.length > 0);
+  $("compare").querySelector("summary").title = failed.length ? `Cannot be computed any more: ${failed.map(({ name }) => name).join(", ")}` : "";
 }
 
 export function connectCompare({ store }) {
@@ -86,6 +92,7 @@ export function connectCompare({ store }) {
     $("keep").disabled = !state?.run || kept.length >= MOST;
     $("keep").title = kept.length >= MOST ? `${MOST} runs are kept, the most that can be: delete one first` : "Keep this glide to compare with (K)";
     setText($("compare-count"), kept.length ? String(kept.length) : "");
+    showFailed(kept.filter(({ state: its }) => its === "failed"));
     $("compare-none").hidden = kept.length > 0;
     // Drawn anew only when it changed, else a name would lose the focus at each state.
     const now = JSON.stringify([kept, reference]);

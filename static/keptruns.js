@@ -1,6 +1,7 @@
 // The runs that are kept to compare with, and any output of them or of the present run as a curve.
 
 import { call } from "./api.js";
+import { clockText } from "./format.js";
 
 export const CURRENT = "current";
 const MOST_CACHED = 24;
@@ -9,7 +10,14 @@ export const keepRun = (name) => call("POST", "runs", name ? { name } : {});
 export const renameRun = (id, name) => call("PATCH", `runs/${encodeURIComponent(id)}`, { name });
 export const forgetRun = (id) => call("DELETE", `runs/${encodeURIComponent(id)}`);
 export const getOutputs = () => call("GET", "outputs");
+export const isReady = ({ state }) => state === "ready"; // after a restart of the server it is computed anew
 export const colorOf = (kept) => `var(--kept-${kept.place + 1})`;
+
+// What its row says beside its name.
+export function aboutKept(kept) {
+  if (isReady(kept)) return `${kept.model} · ${clockText(kept.end, kept.end)}`;
+  return kept.state === "failed" ? "not computable" : "computed anew…";
+}
 
 const cache = new Map(); // key: run, its revision where it is the present one, and names
 

@@ -1,6 +1,7 @@
 // What lies over the 3D view: where to look from, what to show, and how much larger than life.
 
 import { $, el } from "./dom.js";
+import { aboutKept, isReady } from "./keptruns.js";
 import { describeKey, onKey } from "./keys.js";
 import { connectMenu } from "./menu.js";
 
@@ -65,7 +66,7 @@ export function connectOverlays({ store, setCamera }) {
   store.watch(["view", "state"], ({ view, state }) => {
     const kept = state?.kept ?? [];
     $("ghost").replaceChildren(el("option", { value: "" }, kept.length ? "None" : "None: keep a glide first"),
-      ...kept.map(({ id, name }) => el("option", { value: id }, name)));
+      ...kept.map((one) => el("option", { value: one.id }, isReady(one) ? one.name : `${one.name}: ${aboutKept(one)}`)));
     $("ghost").value = kept.some(({ id }) => id === view.ghost) ? view.ghost : "";
     $("ghost").disabled = kept.length === 0;
   });

@@ -1,7 +1,7 @@
 // Where plots find their curves: in the State, else asked of the server, of the present run and of kept ones.
 
 import { latestWins } from "./api.js";
-import { CURRENT, columnsOf, getOutputs } from "./keptruns.js";
+import { CURRENT, columnsOf, getOutputs, isReady } from "./keptruns.js";
 
 export class PlotData {
   // `onLoad` is called when curves have come that were not there.
@@ -11,7 +11,7 @@ export class PlotData {
   }
 
   setState({ run, model, components, kept }) {
-    Object.assign(this, { run, number: run?.number ?? 0, kept: kept ?? [] });
+    Object.assign(this, { run, number: run?.number ?? 0, kept: (kept ?? []).filter(isReady) });
     // Other parts, other outputs.
     const parts = [model, ...components.map(({ name }) => name)].join("\n");
     if (parts !== this.outputsOf) Object.assign(this, { outputs: null, outputsOf: parts });

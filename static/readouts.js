@@ -6,6 +6,7 @@ import { $, el, setText } from "./dom.js";
 import { clockText, degrees, fixed } from "./format.js";
 import { connectGroups } from "./groups.js";
 import { heldAt, isLeftOut, spansText } from "./held.js";
+import { isReady } from "./keptruns.js";
 import { showReach } from "./reach.js";
 import { END, NOW, NUMERICS, TITLES } from "./readoutrows.js";
 import { fillTable, write, writeChange, writeNote } from "./readouttable.js";
@@ -23,12 +24,14 @@ function noTrim({ hold }) {
   return hold.why ? `No steady glide: ${hold.why}.` : "";
 }
 
+const readyReference = (reference, state) => state?.kept?.find((kept) => kept.id === reference && isReady(kept));
+
 // The kept run that others are compared with: its consequences, asked for once.
 function connectReference(store, show) {
   const known = new Map();
   let shown = null;
   store.watch(["reference", "state"], async ({ reference, state }) => {
-    const kept = state?.kept?.some(({ id }) => id === reference) ? reference : null;
+    const kept = readyReference(reference, state)?.id ?? null;
     if (kept === shown) return;
     shown = kept;
     if (kept && !known.has(kept)) known.set(kept, await call("GET", `runs/${encodeURIComponent(kept)}/consequences`).catch(() => null));
@@ -48,7 +51,7 @@ class Readouts {
     this.delta = el("p", { class: "delta-heading", role: "status", "data-testid": "delta-to", hidden: true });
     $("problem").after(this.delta);
     this.reference = connectReference(store, () => this.showHeld());
-    store.watch(["reference", "state"], ({ reference, state }) => this.showDelta(state?.kept?.find(({ id }) => id === reference)));
+    store.watch(["reference", "state"], ({ reference, state }) => this.showDelta(readyReference(reference, state)));
     store.watch(["state", "consequences"], () => this.show());
     clock.watch(() => this.showClock());
   }

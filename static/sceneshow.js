@@ -2,7 +2,7 @@
 
 import { postClock, postShown, showInScene } from "./api.js";
 import { $ } from "./dom.js";
-import { columnsOf } from "./keptruns.js";
+import { columnsOf, isReady } from "./keptruns.js";
 import { bedInSight, largestForce, largestMoment, pathBox, positionAt, sceneAt, visibility } from "./scene.js";
 import { Viewer } from "./viewer.js";
 
@@ -54,7 +54,7 @@ export function connectScene({ store, clock, onKey }) {
     const wanted = view().ghost;
     const kept = state?.kept?.find(({ id }) => id === wanted);
     if (state && state.scene.ghost !== (kept?.id ?? null)) showInScene({ ghost: kept?.id ?? null }).catch(() => {});
-    const columns = kept ? await columnsOf(kept.id, GHOST_COLUMNS[kept.model]).catch(() => null) : null;
+    const columns = kept && isReady(kept) ? await columnsOf(kept.id, GHOST_COLUMNS[kept.model]).catch(() => null) : null;
     ghost = columns && view().ghost === wanted ? { t: columns.t, ...columns.columns } : null;
     show();
   }
@@ -66,7 +66,7 @@ export function connectScene({ store, clock, onKey }) {
   });
   let [ghostOf, keptBefore] = [undefined, ""];
   store.watch(["state", "view"], ({ state, view: { ghost: wanted } }) => {
-    const kept = (state?.kept ?? []).map(({ id }) => id).join();
+    const kept = (state?.kept ?? []).map(({ id, state: its }) => `${id} ${its}`).join();
     if (!state || (wanted === ghostOf && kept === keptBefore)) return;
     const first = ghostOf === undefined;
     [ghostOf, keptBefore] = [wanted, kept];

@@ -29,6 +29,7 @@ from studio.error_estimate import error_estimate
 from studio.glide_polar_document import glide_polar_document
 from studio.mode_motion import modes_document
 from studio.operations import Document
+from studio.run_operations import run_kept_as
 
 router = APIRouter(prefix="/s/{session_id}", include_in_schema=False)
 NO_RUN = "there is no run yet: the physics is still being compiled"
@@ -119,13 +120,11 @@ async def get_error_estimate(analyst: OneAnalyst) -> Response:
 async def get_kept_consequences(analyst: OneAnalyst, run_id: str) -> Response:
     """Answer the consequences of a kept run, to compare with."""
     session = analyst.opened.session
-    kept = session.kept.get(run_id)
-    if kept is None:
-        raise HTTPException(404, f"no run is kept as '{run_id}'; it may have been deleted in another tab")
+    run = run_kept_as(run_id, session)
 
     def work(_: Control) -> dict[str, Any]:
         warm_analyses()
-        return consequences_document(consequences_of(assemble(kept.run.design, session.limits), kept.run))
+        return consequences_document(consequences_of(assemble(run.design, session.limits), run))
 
     return await analyst.answer(work)
 

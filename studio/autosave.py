@@ -17,12 +17,14 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
-from pydantic_core import to_json
+import orjson
 
 from models.design import Design, parse_design
 from models.problems import DesignError
+from studio.kept_runs import NO_RUNS, SavedRuns, read_saved, saved_document
 from studio.origin import Origin, origin_document, read_origin
 from studio.part_marks import Document, read_marks
+from studio.scene_display import FIRST_DISPLAY, Display, read_display
 
 log = logging.getLogger(__name__)
 
@@ -42,6 +44,8 @@ class SavedSession:
     design: Design
     origin: Origin | None = None
     marks: Document = field(default_factory=dict)
+    kept: SavedRuns = NO_RUNS
+    display: Display = FIRST_DISPLAY
 
 
 def is_session_id(text: str) -> bool:
@@ -91,7 +95,7 @@ class Autosave:
             marks = read_marks(saved.get("marks")).document()
             return SavedSession(
                 session_id, str(saved["secret_hash"]), int(saved["revision"]), str(saved["saved_at"]), design, origin,
-                marks,
+                marks, read_saved(saved.get("kept")), read_display(saved.get("display")),
             )  # fmt: skip
         except FileNotFoundError:
             return None
@@ -134,13 +138,15 @@ class Autosave:
             "saved_at": saved_at,
             "origin": origin_document(session.origin),
             "marks": session.marks,
-            "design": session.design.model_dump(mode="json"),
+            "display": session.display.document(),
+            "kept": saved_document(session.kept),
+            "design": orjson.Fragment(session.design.model_dump_json().encode()),
         }
         # mkstemp makes the file readable by its owner alone
         descriptor, temporary = tempfile.mkstemp(dir=self._folder, prefix=f".{session.id}.")
         try:
             with os.fdopen(descriptor, "wb") as stream:
-                stream.write(to_json(content))
+                stream.write(orjson.dumps(content))
             Path(temporary).replace(self._path(session.id))
         except BaseException:
             with contextlib.suppress(OSError):

@@ -36,7 +36,7 @@ class OpenSession:
         self.closed = False
         self.last_seen = time.monotonic()
         self._secret_hash, self._autosave = secret_hash, autosave
-        self._saved = (session.revision, session.origin, session.marks.document()) if saved_at is not None else None
+        self._saved = _saveable(session) if saved_at is not None else None
         self.saving = threading.Lock()
         self._view: View | None = None
         self._view_lock = threading.Lock()
@@ -59,14 +59,15 @@ class OpenSession:
         self.last_seen = time.monotonic()
 
     def save(self) -> None:
-        """Have the document written, where it has changed."""
-        session = self.session
-        marks = session.marks.document()
-        state = session.revision, session.origin, marks
+        """Have the document written with what belongs to it, where any of it has changed."""
+        session, state = self.session, _saveable(self.session)
         if state == self._saved:
             return
         self._saved = state
-        saved = SavedSession(session.id, self._secret_hash, session.revision, "", session.design, session.origin, marks)
+        saved = SavedSession(
+            session.id, self._secret_hash, session.revision, "", session.design, session.origin,
+            session.marks.document(), session.kept.saved(), session.display,
+        )  # fmt: skip
         self._autosave.save(saved, on_saved=self._was_saved)
 
     def _was_saved(self, at: str) -> None:
@@ -123,8 +124,9 @@ class Sessions:
             return None
         try:
             session = Session(
-                session_id, saved.design, limits=self._limits, revision=saved.revision, origin=saved.origin
-            )
+                session_id, saved.design, limits=self._limits, revision=saved.revision, origin=saved.origin,
+                kept=saved.kept, display=saved.display,
+            )  # fmt: skip
             session.marks = read_marks(saved.marks)
         except DesignError as error:
             log.warning("the saved session %s cannot be used: %s", session_id, error)
@@ -164,6 +166,11 @@ class Sessions:
 
     def __len__(self) -> int:
         return len(self._open)
+
+
+def _saveable(session: Session) -> tuple[object, ...]:
+    """Return what changes whenever there is something to save."""
+    return session.revision, session.origin, session.marks.document(), session.kept.changes, session.display
 
 
 def hash_secret(secret: str) -> str:

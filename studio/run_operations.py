@@ -14,6 +14,7 @@ from studio.access import Admitted
 from studio.operations import Document
 from studio.outputs import curves_of, outputs_of
 from studio.registry import OpenSession
+from studio.session import Session
 
 router = APIRouter(prefix="/s/{session_id}", include_in_schema=False)
 
@@ -57,14 +58,18 @@ def forget_run(opened: Admitted, run_id: str) -> None:
 @router.get("/runs/{run_id}/columns")
 def get_columns(opened: Admitted, run_id: str, name: Annotated[list[str], Query(max_length=100)]) -> Response:
     """Answer some outputs of a run, each asked for as a `name`, over time; `current` is the present run."""
-    if run_id == CURRENT:
-        run = _present(opened)
-    else:
-        kept = opened.session.kept.get(run_id)
-        if kept is None:
-            raise HTTPException(404, _missing(run_id))
-        run = kept.run
+    run = _present(opened) if run_id == CURRENT else run_kept_as(run_id, opened.session)
     return _fresh(curves_of(run, [wanted for wanted in name if wanted]))
+
+
+def run_kept_as(run_id: str, session: Session) -> Run:
+    """Return a kept run; raises `HTTPException` where there is none, or it is not computed."""
+    kept = session.kept.get(run_id)
+    if kept is None:
+        raise HTTPException(404, _missing(run_id))
+    if kept.run is None:
+        raise HTTPException(409, kept.problem or f"'{kept.name}' is still computed anew: ask again in a moment")
+    return kept.run
 
 
 def _present(opened: OpenSession) -> Run:

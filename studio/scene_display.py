@@ -10,6 +10,8 @@ from studio.path_colors import QUANTITIES
 
 PLAIN = "none"
 """The name by which a page asks for a path in one colour."""
+LONGEST_ID = 40
+"""Characters of a kept run's id at most: the session's file holds whatever is asked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +20,13 @@ class Display:
 
     color_by: str | None = "speed"
     ghost: str | None = None
+
+    def document(self) -> dict[str, str | None]:
+        """Return it as pages ask for it, and the session's file holds it."""
+        return {"color_by": self.color_by or PLAIN, "ghost": self.ghost}
+
+
+FIRST_DISPLAY = Display()
 
 
 def changed(display: Display, document: Any) -> Display:
@@ -32,12 +41,20 @@ def changed(display: Display, document: Any) -> Display:
         display = replace(display, color_by=_quantity(document["color_by"]))
     if "ghost" in document:
         ghost = document["ghost"]
-        if ghost is not None and not isinstance(ghost, str):
+        if ghost is not None and not (isinstance(ghost, str) and len(ghost) <= LONGEST_ID):
             raise DesignError(
                 [Problem("/ghost", "ghost is neither the id of a kept run nor null", hint="null hides it")]
             )
         display = replace(display, ghost=ghost)
     return display
+
+
+def read_display(document: Any) -> Display:
+    """Return the display of a session's file; the first one where there is none that this version knows."""
+    try:
+        return changed(FIRST_DISPLAY, document)
+    except DesignError:
+        return FIRST_DISPLAY
 
 
 def _quantity(name: Any) -> str | None:

@@ -10,6 +10,7 @@ import viser
 from numpy.typing import NDArray
 
 from models.components import Component
+from models.run import Run
 from studio import meshes, palette
 from studio.attitude import attitude_at, rotate
 from studio.bodies import bodies
@@ -47,25 +48,24 @@ class GhostNodes:
         self._nodes: list[Any] = []
 
     def show(self, kept: KeptRun | None) -> None:
-        """Draw the ghost of a kept run, or none."""
+        """Draw the ghost of a kept run, or none; one that is still to be computed has none."""
         if kept is self._shown:
             return
         for node in self._nodes:
             node.remove()
         self._nodes, self._shown = [], kept
-        if kept is not None:
-            self._build(kept, palette.KEPT[kept.place])
+        if kept is not None and kept.run is not None:
+            self._build(kept.run, palette.KEPT[kept.place])
 
     def place(self, t: float, anchor: tuple[float, float, float]) -> None:
         """Show it where its own run has it at a time, in water that passes through the scene's middle at `anchor`."""
-        if self._shown is None:
+        if self._shown is None or self._shown.run is None:
             return
         frame, run = self._nodes[0], self._shown.run
         frame.position = tuple(p - a for p, a in zip(position_at(run, t), anchor, strict=True))
         frame.wxyz = attitude_at(run, t)
 
-    def _build(self, kept: KeptRun, color: str) -> None:
-        run = kept.run
+    def _build(self, run: Run, color: str) -> None:
         frame = self._scene.add_frame("/ghost", show_axes=False)
         vehicle = silhouette(run.design.vehicle.components)
         body = None

@@ -18,7 +18,7 @@ def scene_document(session: Session, run: Run | None) -> dict[str, Any]:
     """
     display = session.display
     scale = None if run is None else scale_of(run, display.color_by)
-    ghost = None if display.ghost is None else session.kept.get(display.ghost)
+    ghost = session.ghost
     return {
         "color_by": display.color_by or PLAIN,
         "quantities": [] if run is None else quantities_of(run),

@@ -22,12 +22,13 @@ from models.warm import kernel_is_ready
 from server.editing import apply_patch
 from studio import changes
 from studio.consequences import LiveConsequences
-from studio.kept_runs import KeptRun, KeptRuns
+from studio.kept_again import KeptAgain
+from studio.kept_runs import NO_RUNS, KeptRun, KeptRuns, SavedRuns
 from studio.listeners import Listeners
 from studio.origin import Origin
 from studio.part_marks import PartMarks
 from studio.runner import Runner
-from studio.scene_display import Display
+from studio.scene_display import FIRST_DISPLAY, Display
 
 log = logging.getLogger(__name__)
 
@@ -54,7 +55,7 @@ class Session:
 
     def __init__(
         self, session_id: str, design: Design, *, limits: Limits = DEFAULT_LIMITS, revision: int = 1,
-        origin: Origin | None = None,
+        origin: Origin | None = None, kept: SavedRuns = NO_RUNS, display: Display = FIRST_DISPLAY,
     ) -> None:  # fmt: skip
         self.id = session_id
         self._limits = limits
@@ -66,9 +67,10 @@ class Session:
         self._problem: tuple[Problem, ...] = ()
         self._revision = revision
         self._origin = origin
-        self.kept = KeptRuns()
+        self.kept = KeptRuns(kept)
+        self._again = KeptAgain(self.kept, limits=limits, on_done=self.touch)
         self.marks = PartMarks()
-        self._display = Display()
+        self._display = display
         self._identity: tuple[Design, str] | None = None
         self._selected = design.vehicle.actuated[0][0] if design.vehicle.actuated else 0
         self._undo: deque[Assembly] = deque(maxlen=HISTORY)
@@ -249,6 +251,11 @@ class Session:
         """Have everybody told, though neither document nor run changed."""
         self._runner.touch()
 
+    @property
+    def ghost(self) -> KeptRun | None:
+        """The kept run whose ghost flies along in the scene."""
+        return None if self._display.ghost is None else self.kept.get(self._display.ghost)
+
     def show(self, display: Display) -> None:
         """Show something else in the scene."""
         self._display = display
@@ -284,6 +291,7 @@ class Session:
 
     def close(self) -> None:
         """Stop simulating, tell once more, and stop telling."""
+        self._again.close()
         self._runner.close()
         self._tell(Change.document)
 
@@ -347,6 +355,7 @@ class Session:
 
     def _settle(self, assembly: Assembly, run: Run) -> None:
         self.consequences.update(assembly, run, self._run_number)
+        self._again.start()  # now that the kernel is ready, and what is worked on has come first
 
     def _tell(self, change: Change) -> None:
         for listener in self._listeners:

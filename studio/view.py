@@ -188,8 +188,7 @@ class View:
         sideways = design.mission.solver.model == "spatial"
         self.gizmo.update(self.session.selected_component, vehicle_length(design), sideways=sideways)
         self._redraw_run(design, run)
-        display = self.session.display
-        self.ghost.show(None if display.ghost is None else self.session.kept.get(display.ghost))
+        self.ghost.show(self.session.ghost)
 
     def _redraw_run(self, design: Design, run: Run | None) -> None:
         if run is None:

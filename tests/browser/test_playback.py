@@ -84,8 +84,11 @@ def test_speed_is_a_hundred_times_and_a_tenth(panel):
     assert 0.0 < t <= 0.1 * passed + 1e-6
 
 
-def test_bookmarks_are_named_jumped_to_and_remembered(panel):
+def test_bookmarks_are_named_jumped_to_and_remembered_with_the_range(panel):
     page = panel.page
+    seek(page, 2.0)
+    pressed(page, "i")
+    pressed(page, "l")
     seek(page, 3.0)
     pressed(page, "b")
     page.keyboard.type("Bottom")
@@ -104,6 +107,8 @@ def test_bookmarks_are_named_jumped_to_and_remembered(panel):
     assert clock(page, "t") == 8.0
     page.goto(panel.url)
     PanelPage(page)
+    expect(page.get_by_test_id("clear-range")).to_contain_text("2.0 –")
+    assert clock(page, "loop") == 1.0
     expect(page.get_by_test_id("bookmark-count")).to_have_text("2")
     page.get_by_test_id("bookmarks").click()
     expect(page.get_by_test_id("bookmark-name-0")).to_have_value("Bottom")

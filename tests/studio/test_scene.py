@@ -225,7 +225,14 @@ def test_moments_are_about_the_axes_they_are_positive_about(view: View) -> None:
 
 @pytest.mark.parametrize(
     ("document", "pointer"),
-    [({}, ""), ({"color": 1}, ""), ({"color_by": "mood"}, "/color_by"), ({"ghost": 3}, "/ghost"), ([], "")],
+    [
+        ({}, ""),
+        ({"color": 1}, ""),
+        ({"color_by": "mood"}, "/color_by"),
+        ({"ghost": 3}, "/ghost"),
+        ({"ghost": "x" * 41}, "/ghost"),
+        ([], ""),
+    ],
 )
 def test_a_display_that_makes_no_sense_is_refused(document: object, pointer: str) -> None:
     with pytest.raises(DesignError) as refused:
