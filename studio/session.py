@@ -63,7 +63,7 @@ class Session:
         self._assembly = assemble(design, limits)
         self._run: Run | None = None
         self._run_assembly: Assembly | None = None
-        self._run_number = 0
+        self._run_number = revision - 1  # no change has more than one run: after a restart no number means another one
         self._problem: tuple[Problem, ...] = ()
         self._revision = revision
         self._origin = origin
@@ -105,7 +105,7 @@ class Session:
 
     @property
     def run_number(self) -> int:
-        """How many runs have ended: a curve of an older one is out of date."""
+        """Number of the last run that ended: a curve of an older one is out of date, also after a restart."""
         return self._run_number
 
     @property

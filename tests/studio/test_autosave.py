@@ -66,6 +66,30 @@ def test_a_session_comes_back_after_a_restart(kernel: None, tmp_path: Path, dual
     after.close()
 
 
+def test_no_number_of_a_run_means_another_one_after_a_restart(
+    kernel: None, tmp_path: Path, dual_bellows: Design
+) -> None:
+    """A page that stayed open holds curves of runs by their numbers."""
+    before = Sessions(tmp_path)
+    session = before.create(dual_bellows)[0].session
+    numbers = {}
+    for place in (0.17, 0.16, 0.15):
+        session.set_field("/vehicle/components/1/position/0", place)
+        wait_until(lambda: not session.simulating)
+        numbers[session.run_number] = session.design
+    before.close()
+    after = Sessions(tmp_path)
+    again = after.get(session.id)
+    assert again is not None
+    wait_until(lambda: again.run is not None)
+    assert again.run_number >= max(numbers)
+    assert numbers.get(again.run_number, again.design) == again.design
+    again.set_field("/vehicle/components/1/position/0", 0.14)
+    wait_until(lambda: not again.simulating)
+    assert again.run_number not in numbers
+    after.close()
+
+
 def test_idle_sessions_leave_memory_and_come_back(kernel: None, tmp_path: Path, dual_bellows: Design) -> None:
     sessions = Sessions(tmp_path)
     opened, _ = sessions.create(dual_bellows)
