@@ -203,7 +203,7 @@ def case_problems(spec: JobSpec, count: int, max_cases: int) -> list[Problem]:
         at = "/method/parameters" if isinstance(spec, Sweep) and isinstance(spec.method, FullFactorial) else "/method"
         at = "/count" if isinstance(spec, MonteCarlo) else at
         message = f"{count} cases exceed the limit of {max_cases}"
-        problems.append(Problem(at, message, max_cases, "take fewer, or raise the limit of the settings"))
+        problems.append(Problem(at, message, max_cases, "take fewer, or raise GLIDER_STUDIO_MAX_CASES"))
     if not isinstance(spec.trajectories, str):
         for k, case in enumerate(spec.trajectories):
             if case >= count:
