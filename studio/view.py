@@ -49,6 +49,8 @@ FOG = (6.0, 42.0)
 """Where fog begins and hides, in lengths of the vehicle."""
 FOG_OF_PATH = 2.0
 """Where it begins at least in the overview, in diagonals of the path's box."""
+FRAMED_ANEW = 2.0
+"""A vehicle so many times longer or shorter than the one that cameras and fog were set for has them set again."""
 OVERVIEW = "overview"
 VIEWS = (*CAMERAS, OVERVIEW)
 NEAR, FAR = 0.01, 1000.0
@@ -67,6 +69,8 @@ class View:
         self._drawn_run: tuple[Run, str | None] | None = None
         self._shown: Quaternion = LEVEL
         self._initial: Initial | None = None
+        self._framed = vehicle_length(session.design)
+        self._looking = ("side", 0.0)
         try:
             with self.server.atomic():
                 self._build()
@@ -96,6 +100,7 @@ class View:
 
         `covered` is the share of the picture, from its top, that lies under the page's buttons.
         """
+        self._framed, self._looking = vehicle_length(self.session.design), (view, covered)
         far_off = view == OVERVIEW
         points = self._path_and_around()
         size = float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -180,6 +185,7 @@ class View:
         if design is not self._drawn:
             self._drawn = design
             self.markers.update(design)
+            self._frame_anew(vehicle_length(design))
         initial = design.mission.initial
         if initial != self._initial:  # else a part that is dragged would throw the glider back to the start
             self._initial = initial
@@ -189,6 +195,14 @@ class View:
         self.gizmo.update(self.session.selected_component, vehicle_length(design), sideways=sideways)
         self._redraw_run(design, run)
         self.ghost.show(self.session.ghost)
+
+    def _frame_anew(self, length: float) -> None:
+        """Set fog and cameras for a vehicle of quite another size: another design was opened, not a part moved."""
+        if 1.0 / FRAMED_ANEW < length / self._framed < FRAMED_ANEW:
+            return
+        self.server.scene.configure_fog(*self._fog(None), color=rgb(palette.FOG))
+        self._look("side")
+        self.camera(*self._looking)
 
     def _redraw_run(self, design: Design, run: Run | None) -> None:
         if run is None:

@@ -6,20 +6,19 @@ import shutil
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
-import uvicorn
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
-from models.presets import load_preset
 from models.warm import warm_kernel
 from server.settings import Settings
-from studio.serve import make_app, uvicorn_config
+from studio.serve import Server, make_app, uvicorn_config
 from tests.browser.jobs_support import api, partial, swept, watched  # noqa: F401
 from tests.browser.panel_page import PanelPage
-from tests.browser.studio_page import StudioPage
+from tests.browser.studio_page import StudioPage, document_of
 from tests.studio.spiral import spiral_document
 
 FLAGS = [
@@ -52,7 +51,8 @@ class Program:
         listener.bind(("127.0.0.1", self.port))
         self.port = listener.getsockname()[1]
         settings = Settings(port=self.port, data=self.data)
-        self.server = uvicorn.Server(uvicorn_config(make_app(settings)))
+        app = make_app(settings)
+        self.server = Server(uvicorn_config(app), app.state.stopping)
         self.thread = threading.Thread(target=self.server.run, kwargs={"sockets": [listener]}, daemon=True)
         self.thread.start()
         while not self.server.started:
@@ -111,30 +111,42 @@ def page(context: BrowserContext, cleaner: Page) -> Iterator[Page]:
     opened.close()
 
 
-@pytest.fixture(scope="module")
-def opened_once(program: Program, context: BrowserContext) -> Iterator[StudioPage]:
-    """A glider that banks and turns, opened once for all tests of a module that only look."""
+@pytest.fixture(scope="package")
+def scene_tab(program: Program, context: BrowserContext) -> Iterator[StudioPage]:
+    """A tab whose 3D view stays open: software that draws takes many seconds to get ready for another one."""
     opened = context.new_page()
-    yield StudioPage.open_document(opened, program.url, spiral_document(duration=300.0))
+    yield StudioPage.open_document(opened, program.url, document_of("canete-dual-bellows"))
     opened.close()
 
 
 @pytest.fixture
-def turning(opened_once: StudioPage) -> StudioPage:
-    """That glider, shown as when it was opened; a test that edits it takes `turning_alone`."""
-    opened_once.begin_again()
-    return opened_once
+def reopened(scene_tab: StudioPage, cleaner: Page) -> Iterator[Callable[[dict[str, Any]], StudioPage]]:
+    """Puts a document into that tab, and all else there back to how it was opened."""
+
+    def reopen(document: dict[str, Any]) -> StudioPage:
+        cleaner.evaluate("() => localStorage.clear()")
+        scene_tab.begin_again(document)
+        return scene_tab
+
+    yield reopen
+    scene_tab.page.evaluate("() => window.__studio.clock.pause()")
 
 
 @pytest.fixture
-def turning_alone(program: Program, page: Page) -> StudioPage:
-    """The same in a session of its own."""
-    return StudioPage.open_document(page, program.url, spiral_document(duration=300.0))
+def turning(reopened: Callable[[dict[str, Any]], StudioPage]) -> StudioPage:
+    """A glider that banks and turns."""
+    return reopened(spiral_document(duration=300.0))
 
 
 @pytest.fixture
-def studio(program: Program, page: Page) -> StudioPage:
+def studio(reopened: Callable[[dict[str, Any]], StudioPage]) -> StudioPage:
     """The paper's preset."""
+    return reopened(document_of("canete-dual-bellows"))
+
+
+@pytest.fixture
+def studio_alone(program: Program, page: Page) -> StudioPage:
+    """The same in a new tab, for tests that open the page more than once."""
     return StudioPage.open_preset(page, program.url, "canete-dual-bellows")
 
 
@@ -148,7 +160,7 @@ def bare(page: Page) -> Page:
 @pytest.fixture
 def panel(program: Program, bare: Page) -> PanelPage:
     """The paper's preset, without its 3D view."""
-    return PanelPage.open_document(bare, program.url, load_preset("canete-dual-bellows").model_dump(mode="json"))
+    return PanelPage.open_document(bare, program.url, document_of("canete-dual-bellows"))
 
 
 @pytest.fixture

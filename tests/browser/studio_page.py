@@ -7,9 +7,23 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from playwright.sync_api import Locator, Page
+from playwright.sync_api import APIResponse, Locator, Page, ViewportSize
 
 from models.presets import load_preset
+
+SIZE: ViewportSize = {"width": 1400, "height": 900}
+BEGIN_AGAIN = """() => {
+  const { clock } = window.__studio;
+  clock.pause();
+  clock.setSpeed(1);
+  clock.setLoop(false);
+  clock.setRange(null);
+}"""
+
+
+def document_of(preset: str) -> dict[str, Any]:
+    """Return a preset's document."""
+    return load_preset(preset).model_dump(mode="json")
 
 
 class StudioPage:
@@ -21,7 +35,7 @@ class StudioPage:
 
     @classmethod
     def open_preset(cls, page: Page, url: str, preset: str) -> StudioPage:
-        return cls.open_document(page, url, load_preset(preset).model_dump(mode="json"))
+        return cls.open_document(page, url, document_of(preset))
 
     @classmethod
     def open_document(cls, page: Page, url: str, document: dict[str, Any]) -> StudioPage:
@@ -32,21 +46,37 @@ class StudioPage:
         page.goto(f"{url}{answer.json()['url']}?fixedDpr=0.25")
         return cls(page)
 
-    def begin_again(self) -> None:
-        """Show the session as when it was opened, where a test has only looked."""
-        self.page.keyboard.press("Escape")
-        self.page.evaluate("() => { window.__studio.clock.pause(); window.__studio.clock.seek(0); }")
-        moments = self.page.get_by_test_id("toggle-moments")
-        if moments.get_attribute("aria-pressed") == "true":
-            moments.click()
-        self.page.get_by_test_id("camera-side").click()
+    def begin_again(self, document: dict[str, Any]) -> None:
+        """Show a document as if this tab had just been opened with it."""
+        page = self.page
+        page.set_viewport_size(SIZE)
+        page.keyboard.press("Escape")
+        page.evaluate(BEGIN_AGAIN)
+        for kept in self.state("s.kept.map(k => k.id)"):
+            self.ask("delete", f"runs/{kept}")
+        self.ask("post", "display", {"color_by": "speed", "ghost": None})
+        revision = self.ask("put", "design", document).json()["revision"]
+        self.ask("post", "select", {"component": 0})
+        ready = "(s => s.revision === revision && s.run && !s.simulating && !s.kept.length && s.selected === 0)"
+        page.wait_for_function(f"revision => {ready}(window.__studio.state)", arg=revision)
+        for name, pressed in (("moments", "false"), ("forces", "true")):
+            button = page.get_by_test_id(f"toggle-{name}")
+            if button.get_attribute("aria-pressed") != pressed:
+                button.click()
+        page.get_by_test_id("camera-side").click()
+        page.evaluate("() => window.__studio.clock.seek(0)")
 
-    def edit(self, *patch: dict[str, Any]) -> None:
-        """Change the design through the session's operations, as a script beside the page would."""
+    def ask(self, method: str, path: str, document: Any = None) -> APIResponse:
+        """Use one of the session's operations, as a script beside the page would."""
         address = self.url.split("?")[0]
         origin = "/".join(address.split("/")[:3])
-        answer = self.page.request.post(f"{address}edit", data={"patch": list(patch)}, headers={"Origin": origin})
+        answer = self.page.request.fetch(f"{address}{path}", method=method, data=document, headers={"Origin": origin})
         assert answer.ok, answer.text()
+        return answer
+
+    def edit(self, *patch: dict[str, Any]) -> None:
+        """Change the design."""
+        self.ask("post", "edit", {"patch": list(patch)})
 
     def pose(self, name: str) -> dict[str, Any] | None:
         """Return where Viser's client holds a node, and its attitude (w, x, y, z)."""

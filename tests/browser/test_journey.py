@@ -151,35 +151,35 @@ def test_undo_and_redo(panel):
     assert panel.wait_for_change("end-depth", before) == changed
 
 
-def test_a_page_comes_back_by_itself_after_a_restart(program, studio):
-    before = studio.readout("end-depth")
+def test_a_page_comes_back_by_itself_after_a_restart(program, studio_alone):
+    before = studio_alone.readout("end-depth")
     for count in (1, 2):
-        studio.page.keyboard.press("k")
-        studio.wait_until(lambda wanted=count: studio.state("s.kept.length") == wanted)
-    studio.wait_until(lambda: studio.state("s.scene.ghost") == "run-1")
-    studio.page.evaluate("() => window.__studio.clock.setRange({ from: 4, to: 5 })")
-    studio.type_number("Position x", 140)
-    changed = studio.wait_for_change("end-depth", before)
-    kept = studio.state("s.kept[0]")
+        studio_alone.page.keyboard.press("k")
+        studio_alone.wait_until(lambda wanted=count: studio_alone.state("s.kept.length") == wanted)
+    studio_alone.wait_until(lambda: studio_alone.state("s.scene.ghost") == "run-1")
+    studio_alone.page.evaluate("() => window.__studio.clock.setRange({ from: 4, to: 5 })")
+    studio_alone.type_number("Position x", 140)
+    changed = studio_alone.wait_for_change("end-depth", before)
+    kept = studio_alone.state("s.kept[0]")
     program.stop()  # which saves
-    expect(studio.page.locator("#lost")).to_be_visible()
-    file = program.data / "sessions" / f"{studio.state('s.id')}.json"
+    expect(studio_alone.page.locator("#lost")).to_be_visible()
+    file = program.data / "sessions" / f"{studio_alone.state('s.id')}.json"
     saved = json.loads(file.read_bytes())
     saved["kept"]["runs"][1]["design"]["mission"]["duration"] = -1.0
     file.write_text(json.dumps(saved))
     program.start()
-    expect(studio.page.locator("#status")).to_have_text("Ready", timeout=30_000)
-    expect(studio.page.locator("#lost")).to_be_hidden(timeout=60_000)
-    assert studio.readout("end-depth") == changed
-    studio.wait_until(lambda: studio.state("s.kept[0]") == kept)
-    expect(studio.page.get_by_test_id("kept-note-run-2")).to_contain_text(
+    expect(studio_alone.page.locator("#status")).to_have_text("Ready", timeout=30_000)
+    expect(studio_alone.page.locator("#lost")).to_be_hidden(timeout=60_000)
+    assert studio_alone.readout("end-depth") == changed
+    studio_alone.wait_until(lambda: studio_alone.state("s.kept[0]") == kept)
+    expect(studio_alone.page.get_by_test_id("kept-note-run-2")).to_contain_text(
         "cannot be computed any more: /mission/duration"
     )
-    assert studio.page.evaluate("() => window.__studio.clock.range") == {"from": 4, "to": 5}
-    studio.type_number("Position x", 160)
-    assert studio.wait_for_change("end-depth", changed) != before
+    assert studio_alone.page.evaluate("() => window.__studio.clock.range") == {"from": 4, "to": 5}
+    studio_alone.type_number("Position x", 160)
+    assert studio_alone.wait_for_change("end-depth", changed) != before
     drawn = "window.__viserSceneTree.getState()"
-    studio.scene(f"() => '/glider' in {drawn} && '/ghost/silhouette' in {drawn}")
+    studio_alone.scene(f"() => '/glider' in {drawn} && '/ghost/silhouette' in {drawn}")
 
 
 def test_a_saved_file_opens_as_the_same_glide(panel, tmp_path):

@@ -243,15 +243,15 @@ def test_glides_are_kept_named_referred_to_and_deleted(panel):
     panel.wait_until(lambda: page.evaluate("() => window.__studio.view.ghost") is None)
 
 
-def test_light_and_dark_are_chosen_and_remembered(studio):
-    page = studio.page
+def test_light_and_dark_are_chosen_and_remembered(studio_alone):
+    page = studio_alone.page
     scheme = "() => [document.documentElement.dataset.theme, getComputedStyle(document.body).backgroundColor]"
     assert page.evaluate(scheme)[0] == "dark"
     page.get_by_test_id("theme").click()
     chosen, color = page.evaluate(scheme)
     assert chosen == "light" and color == "rgb(238, 242, 246)"
-    studio.scene("() => document.documentElement.getAttribute('data-mantine-color-scheme') === 'light'")
-    page.goto(studio.url)
+    studio_alone.scene("() => document.documentElement.getAttribute('data-mantine-color-scheme') === 'light'")
+    page.goto(studio_alone.url)
     StudioPage(page)
     assert page.evaluate(scheme) == ["light", color]
 

@@ -119,30 +119,31 @@ def test_the_model_is_chosen_in_the_panel_and_told_what_is_missing(program, bare
     studio.row("Position y").wait_for()
 
 
-def test_an_offset_cell_banks_the_glider(turning_alone):
+def test_an_offset_cell_banks_the_glider(turning):
     """Through the session's own operations: level the battery, and put the engine to starboard instead."""
-    turning_alone.edit(
+    turning.edit(
         {"op": "remove", "path": "/mission/control/schedules/0"},
         {"op": "replace", "path": "/vehicle/components/2/position/1", "value": 0.05},
     )
-    turning_alone.wait_until(lambda: turning_alone.state("s.components[2].position[1]") == 0.05)
-    turning_alone.wait_until(lambda: turning_alone.state("s.run.cells[0].command.at(-1)") == 0)
+    turning.wait_until(lambda: turning.state("s.components[2].position[1]") == 0.05)
+    turning.wait_until(lambda: turning.state("s.run.cells[0].command.at(-1)") == 0)
     # shrunk, it lifts less to starboard than it weighs: that side goes down, and it turns the other way
-    turning_alone.wait_until(lambda: turning_alone.readout("end-roll") > math.radians(1.0))
-    assert turning_alone.readout("end-heading") < 0.0
+    turning.wait_until(lambda: turning.readout("end-roll") > math.radians(1.0))
+    assert turning.readout("end-heading") < 0.0
     # the plot's line goes on below zero; both numbers are those of the compass
-    turning_alone.page.evaluate(f"() => window.__studio.clock.seek({DURATION})")
-    turning_alone.wait_until(lambda: turning_alone.readout("heading") > math.pi)
-    shown = f"{math.degrees(turning_alone.readout('heading')):.1f}"
-    expect(turning_alone.page.get_by_test_id("readout-heading")).to_have_text(shown)
-    expect(turning_alone.page.get_by_test_id("legend-heading")).to_have_text(f"{shown} °")
+    turning.page.evaluate(f"() => window.__studio.clock.seek({DURATION})")
+    turning.wait_until(lambda: turning.readout("heading") > math.pi)
+    shown = f"{math.degrees(turning.readout('heading')):.1f}"
+    expect(turning.page.get_by_test_id("readout-heading")).to_have_text(shown)
+    expect(turning.page.get_by_test_id("legend-heading")).to_have_text(f"{shown} °")
 
 
-def test_the_bed_is_seen_only_from_near_and_in_the_overview(program, page):
+def test_the_bed_is_seen_only_from_near_and_in_the_overview(reopened):
     """Through lake water a plane far below would look as if it were near; the overview shows where the water ends."""
     document = spiral_document(duration=DURATION)
     document["mission"]["environment"]["bed_depth"] = 40.0
-    studio = StudioPage.open_document(page, program.url, document)
+    studio = reopened(document)
+    page = studio.page
     shown = "() => document.querySelector('iframe').contentWindow.__viserSceneTree.getState()['/world/bed']?.visibility"
     studio.wait_until(lambda: page.evaluate(shown) is False)
     page.get_by_test_id("camera-overview").click()

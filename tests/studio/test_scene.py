@@ -299,3 +299,26 @@ def test_the_water_clears_for_the_overview(studio: Studio) -> None:
     assert (near["near"], near["far"]) == pytest.approx((FOG[0] * length, FOG[1] * length))
     assert far["near"] > near["near"] and far["far"] > near["far"]
     assert (again["near"], again["far"]) == (near["near"], near["far"])
+
+
+def test_another_design_of_another_size_is_framed_anew(studio: Studio) -> None:
+    larger = load_preset("quad-bellows-glide")
+
+    async def look(browser: RawClient) -> list[dict[str, Any]]:
+        await browser.wait_for(lambda m: m["type"] == "FogMessage")
+        opened = studio.sessions.find(browser.session_id)
+        assert opened is not None
+        await asyncio.to_thread(wait_until, lambda: bool(opened.view().server.get_clients()))
+        heard = len(browser.messages)
+        await asyncio.to_thread(opened.session.replace, larger)
+        for kind in ("FogMessage", "SetCameraPositionMessage"):
+            await browser.wait_for(lambda m, kind=kind: m["type"] == kind, after=heard)
+        return browser.messages[heard:]
+
+    messages, _ = browse(studio, look)
+    length = vehicle_length(larger)
+    assert length > 2.0 * vehicle_length(load_preset("canete-dual-bellows"))
+    fogs = [m for m in messages if m["type"] == "FogMessage"]
+    assert (fogs[-1]["near"], fogs[-1]["far"]) == pytest.approx((FOG[0] * length, FOG[1] * length))
+    (camera,) = (m for m in messages if m["type"] == "SetCameraPositionMessage")
+    assert np.linalg.norm(camera["position"]) > length, "the whole of it is in the picture"
