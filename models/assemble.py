@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,17 +15,21 @@ from models.assemble_control import control_records
 from models.assemble_spatial import spatial_records
 from models.attitude import quaternion_from_rpy_radians, rotation_of
 from models.checks import check_design
-from models.components import Actuated, MovableMass, Rigid, RollingMass
-from models.design import DeclaredMass, Design, Vehicle
+from models.components import Actuated, MovableMass
+from models.design import DeclaredMass, Design
 from models.design_warnings import warnings_for
+from models.environment import Current, Environment
 from models.hydrodynamic_law import HydrodynamicLaw
+from models.hydrodynamic_sources import Hydrodynamics
 from models.kernel import params, spatial_layout
 from models.kernel.params import BODY, PART, Params
 from models.limits import DEFAULT_LIMITS, Limits
-from models.mass_properties import MassBalance, initial_extensions, mass_balance
+from models.mass_properties import Masses, initial_extensions, masses
 from models.memory import remembered
 from models.problems import Problem
+from models.records import named_bytes, record_bytes, records
 from models.schedule import Schedule
+from models.still_parts import still_masses, still_parts
 from models.volumes import core_volume, grows_along_axis, unit_axis, volume_law
 from models.water import current_table, gravity_of, surface_density
 
@@ -67,22 +72,23 @@ def assemble(design: Design, limits: Limits = DEFAULT_LIMITS) -> Assembly:
     parts = [component for _, component in design.vehicle.actuated]
     extensions = initial_extensions(design)
     laws = [volume_law(part) for part in parts]
-    commands = [_command_rows(_schedule_of(design, part.name), extensions[part.name]) for part in parts]
+    schedules = {schedule.cell: schedule for schedule in design.mission.control.schedules}
+    commands = [_command_rows(schedules.get(part.name), extensions[part.name]) for part in parts]
     table, lookup, lookup_scale = _law_records(law or NO_LAW)
-    balance, added, damping = mass_balance(design.vehicle), added_mass(design), damping_matrix(design)
-    records = Params(
-        body=_body(design, balance, A=added, D=damping, lookup_scale=lookup_scale),
+    weighs, added, damping = masses(design.vehicle, extensions), added_mass(design), damping_matrix(design)
+    constants = Params(
+        body=_body(design, weighs, A=added, D=damping, lookup_scale=lookup_scale),
         parts=_parts(design, parts, laws, commands),
         volume_law=_stack(laws, 5),
         commands=_stack(commands, 3),
         table=table,
         lookup=lookup,
-        error_scale=_error_scale(design, parts, balance.mass),
-        **spatial_records(design, parts, balance, added=added, damping=damping),
+        error_scale=_error_scale(design, parts, weighs.mass),
+        **spatial_records(design, parts, weighs, added=added, damping=damping),
         **control_records(design),
     )
     state = _initial_state(design, [extensions[part.name] for part in parts])
-    return Assembly(design, records, state, tuple(part.name for part in parts), law)
+    return Assembly(design, constants, state, tuple(part.name for part in parts), law)
 
 
 def _stack(rows: list[Array], columns: int) -> Array:
@@ -90,54 +96,49 @@ def _stack(rows: list[Array], columns: int) -> Array:
 
 
 def _body(
-    design: Design, balance: MassBalance, *, A: Array, D: Array, lookup_scale: float
+    design: Design, weighs: Masses, *, A: Array, D: Array, lookup_scale: float
 ) -> NDArray[np.void]:  # fmt: skip
-    vehicle, environment = design.vehicle, design.mission.environment
-    density, table = surface_density(environment.water), vehicle.hydrodynamics
-    mass_x, mass_z, inertia_yy = _still_mass(vehicle, balance)
-    rigid = [c for c in vehicle.components if isinstance(c, Rigid)]
+    vehicle = design.vehicle
+    still, (mass_x, _, mass_z, _, inertia_yy, *_) = still_parts(vehicle), still_masses(vehicle, weighs)
+    if vehicle.mass_properties.kind != "declared":
+        inertia_yy = still.pitch
     values = {
+        **_surroundings(design.mission.environment, vehicle.hydrodynamics, A, D),
+        "lookup_scale": lookup_scale,
+        "mass": weighs.mass,
+        "mass_x": mass_x, "mass_z": mass_z, "inertia_yy": inertia_yy,
+        "volume": still.volume, "volume_x": still.volume_x, "volume_z": still.volume_z,
+    }  # fmt: skip
+    return records(BODY, [named_bytes(BODY, values)])
+
+
+@remembered(most=100, about=4)
+def _surroundings(environment: Environment, table: Hydrodynamics, A: Array, D: Array) -> dict[str, float]:
+    """Return what the water is, and what it does to the vehicle."""
+    density = surface_density(environment.water)
+    return {
         "gravity": gravity_of(environment),
         "density": density,
         "bed_depth": math.inf if environment.bed_depth is None else environment.bed_depth,
-        "mass": balance.mass,
-        "mass_x": mass_x, "mass_z": mass_z, "inertia_yy": inertia_yy,
-        "volume": math.fsum(c.volume for c in rigid),
-        "volume_x": sum(c.volume * c.position[0] for c in rigid),
-        "volume_z": sum(c.volume * c.position[2] for c in rigid),
         "a11": A[0, 0], "a13": A[0, 2], "a15": A[0, 4], "a33": A[2, 2], "a35": A[2, 4], "a55": A[4, 4],
         "munk_in_table": float(table.includes_munk_moment),
         "d11": D[0, 0], "d33": D[2, 2], "d55": D[4, 4],
         "force_scale": density / table.reference_density,
         "reference_x": table.reference_point[0],
         "reference_z": table.reference_point[2],
-        "lookup_scale": lookup_scale,
     }  # fmt: skip
-    return np.array([tuple(float(values[name]) for name in BODY.names or ())], dtype=BODY)
-
-
-def _still_mass(vehicle: Vehicle, balance: MassBalance) -> tuple[float, float, float]:
-    """Return first moments in x and z and the inertia in pitch of all that does not move, about the origin."""
-    if isinstance(vehicle.mass_properties, DeclaredMass):
-        x, _, z = balance.mass * balance.center_of_mass
-        return x, z, balance.inertia_about_origin[1, 1]
-    mass_x, mass_z, inertia = 0.0, 0.0, sum(c.inertia.yy for c in vehicle.components)
-    for c in vehicle.components:
-        if not isinstance(c, MovableMass | RollingMass):
-            x, _, z = c.center_of_mass or c.position
-            mass_x, mass_z, inertia = mass_x + c.mass * x, mass_z + c.mass * z, inertia + c.mass * (x * x + z * z)
-    return mass_x, mass_z, inertia
 
 
 def _parts(design: Design, parts: list[Actuated], laws: list[Array], commands: list[Array]) -> NDArray[np.void]:
     declared = isinstance(design.vehicle.mass_properties, DeclaredMass)
-    records: list[tuple[float, ...]] = []
+    rows: list[bytes] = []
     law_start = command_start = 0
-    for part, law, rows in zip(parts, laws, commands, strict=True):
-        records.append((*_part_numbers(part, declared), law_start, len(law), command_start, len(rows)))
+    for part, law, command in zip(parts, laws, commands, strict=True):
+        place = (law_start, len(law), command_start, len(command))
+        rows.append(record_bytes(PART, (*_part_numbers(part, declared), *place)))
         law_start += len(law)
-        command_start += len(rows)
-    return np.array(records, dtype=PART)
+        command_start += len(command)
+    return records(PART, rows)
 
 
 @remembered(most=1_000)
@@ -156,10 +157,7 @@ def _part_numbers(part: Actuated, declared: bool) -> tuple[float, ...]:
     return tuple(values[name] for name in PART.names or () if name in values)
 
 
-def _schedule_of(design: Design, name: str) -> Schedule | None:
-    return next((s for s in design.mission.control.schedules if s.cell == name), None)
-
-
+@remembered(most=1_000)
 def _command_rows(schedule: Schedule | None, initial: float) -> Array:
     """Return the command as rows of time, value and slope, each in force until the next."""
     rows = [[0.0, initial, 0.0]]
@@ -201,17 +199,12 @@ def _lookup(breaks: Array) -> tuple[NDArray[np.int64], float]:
 def _error_scale(design: Design, parts: list[Actuated], mass: float) -> Array:
     """Return what an error of 1 means in each state; works are scaled by the energy of moving at `REFERENCE_SPEED`."""
     spatial = design.mission.solver.model == "spatial"
-    first = spatial_layout.EXTENSIONS if spatial else params.EXTENSIONS
-    work = spatial_layout.WORK_ACTUATORS if spatial else params.WORK_ACTUATORS
+    layout: Any = spatial_layout if spatial else params
+    work, first = layout.WORK_ACTUATORS, layout.EXTENSIONS
     energy = mass * REFERENCE_SPEED**2
-    scale = np.ones(first + len(parts) * (2 if spatial else 1))
-    scale[work:first] = energy
-    for i, part in enumerate(parts):
-        low, high = part.stroke
-        scale[first + i] = high - low
-        if spatial:
-            scale[first + len(parts) + i] = energy
-    return scale * design.mission.solver.tolerance
+    strokes = [high - low for low, high in (part.stroke for part in parts)]
+    scale = [1.0] * work + [energy] * (first - work) + strokes + [energy] * (len(parts) if spatial else 0)
+    return np.array(scale) * design.mission.solver.tolerance
 
 
 def _initial_state(design: Design, extensions: list[float]) -> Array:
@@ -221,18 +214,22 @@ def _initial_state(design: Design, extensions: list[float]) -> Array:
         u, w, q = initial.velocity[0], initial.velocity[2], initial.angular_velocity[1]
         return np.array([x, z, initial.pitch, u, w, q, 0.0, 0.0, *extensions])
     attitude = quaternion_from_rpy_radians(initial.roll, initial.pitch, initial.yaw)
-    velocity = np.array(initial.velocity) + rotation_of(attitude).T @ _current_at(design, z)
+    velocity = np.array(initial.velocity)
+    current = _current_at(design.mission.environment.current, z)
+    if current.any():
+        velocity += rotation_of(attitude).T @ current
     return np.array(
         [
-            x, y, z, *attitude, *velocity, *initial.angular_velocity,
-            0.0, 0.0, 0.0, *extensions, *np.zeros(len(extensions)),
+            x, y, z, *attitude.tolist(), *velocity.tolist(), *initial.angular_velocity,
+            0.0, 0.0, 0.0, *extensions, *(0.0 for _ in extensions),
         ]
     )  # fmt: skip
 
 
-def _current_at(design: Design, depth: float) -> Array:
+@remembered(most=100)
+def _current_at(current: Current | None, depth: float) -> Array:
     """Return the current at time zero, (3,) m/s in the world."""
-    table = current_table(design.mission.environment.current)
+    table = current_table(current)
     profiles = table.rows.reshape(len(table.times), table.levels, 9)
     row = max(int(np.searchsorted(profiles[0, :, 0], depth, side="right")) - 1, 0)
     h = (depth - profiles[0, row, 0]) ** np.arange(4)

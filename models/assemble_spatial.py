@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from models.components import Actuated, Component, MovableMass, Rigid, RollingMass
+from models.components import Actuated, MovableMass, Rigid, RollingMass
 from models.design import DeclaredMass, Design
 from models.environment import Current, Environment
 from models.hydrodynamic_grid import build_grid_law
@@ -19,9 +19,11 @@ from models.hydrodynamics_angles import AngleTable
 from models.hydrodynamics_coefficients import CoefficientForm
 from models.kernel import params, spatial_layout
 from models.kernel.spatial_layout import COEFFICIENT_NAMES, LATERAL_NAMES, MEMBER, SPACE
-from models.mass_properties import MassBalance, component_center_of_mass, inertia_matrix, point_inertia, rotation_about
+from models.mass_properties import Masses, inertia_matrix, rotation_about
 from models.memory import remembered
-from models.volumes import unit_axis, volume
+from models.records import named_bytes, records
+from models.still_parts import fading_height, still_masses, still_parts
+from models.volumes import unit_axis
 from models.water import CurrentTable, WaterTable, current_table, gravity_of, water_table
 
 Array = NDArray[np.float64]
@@ -37,25 +39,29 @@ ANGLES = 2.0 * math.pi * np.arange(5) / 5.0
 HARMONICS = np.column_stack([np.ones(5), np.cos(ANGLES), np.sin(ANGLES), np.cos(2 * ANGLES), np.sin(2 * ANGLES)])
 """Angles (rad) from which an inertia that turns is known as a trigonometric sum, and its terms at each of them."""
 STILL = ("mass_x", "mass_y", "mass_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-"""First moments of mass and inertia of what does not move."""
+"""First moments of mass and inertia of what does not move, as `still_masses` has them."""
+
+
+WITHOUT: dict[str, Array | NDArray[np.void]] = {
+    "members": np.zeros(0, dtype=MEMBER), "inertias": np.zeros((0, 5, 6)),
+    "solids": np.zeros((0, len(spatial_layout.SOLID_COLUMNS))),
+}  # fmt: skip
+"""Of each component what the planar model does not read."""
 
 
 def spatial_records(
-    design: Design, parts: list[Actuated], balance: MassBalance, *, added: Array, damping: Array
+    design: Design, parts: list[Actuated], weighs: Masses, *, added: Array, damping: Array
 ) -> dict[str, Any]:
     """Return the fields of `Params` beyond those of the planar model.
 
-    `balance` is the vehicle's at neutral, `added` and `damping` its added mass and linear damping (6, 6).
+    `weighs` is what the vehicle does at any extensions, `added` and `damping` its added mass and linear damping (6, 6).
     """
-    spatial = design.mission.solver.model == "spatial"
     emerging = emerging_depth(design)
     environment, source = design.mission.environment, design.vehicle.hydrodynamics
     water, current = _water(environment, emerging), _current(environment.current)
     return {
-        "space": _space(design, balance, emerging=emerging, heave_added=float(added[2, 2])),
-        "members": _members(design, parts if spatial else []),
-        "inertias": _inertias(design, parts if spatial else []),
-        "solids": _solids(design) if spatial else np.zeros((0, len(spatial_layout.SOLID_COLUMNS))),
+        "space": _space(design, weighs, emerging=emerging, heave_added=added.item(2, 2)),
+        **_part_arrays(design, parts),
         "added": added,
         "damping": damping,
         **_source_arrays(source),
@@ -65,25 +71,11 @@ def spatial_records(
     }  # fmt: skip
 
 
-def fading_height(component: Any) -> float:
-    """Return the vertical extent over which a component's buoyancy fades, m: its own, or that of a sphere.
-
-    The sphere has the component's volume at neutral extension, or, where it displaces nothing then, at its larger stop.
-    """
-    if component.height is not None:
-        return float(component.height)
-    displaced = volume(component, 0.0 if isinstance(component, Rigid) else component.neutral)
-    if displaced <= 0.0 and not isinstance(component, Rigid):
-        displaced = max(volume(component, stop) for stop in component.stroke)
-    return float((6.0 * displaced / math.pi) ** (1.0 / 3.0))
-
-
 def emerging_depth(design: Design) -> float:
     """Return the depth of a part's centre above which some part of a floating glider begins to emerge, m."""
     if design.mission.environment.surface == "end":
         return 0.0
-    floats = [c for c in design.vehicle.components if not isinstance(c, MovableMass | RollingMass)]
-    return max((0.5 * fading_height(c) for c in floats), default=0.0)
+    return still_parts(design.vehicle).emerging
 
 
 @remembered(most=16)
@@ -95,19 +87,33 @@ def _water(environment: Environment, emerging: float) -> WaterTable:
 _current: Callable[[Current | None], CurrentTable] = remembered(most=16)(current_table)
 
 
-def _space(design: Design, balance: MassBalance, *, emerging: float, heave_added: float) -> NDArray[np.void]:
+def _part_arrays(design: Design, parts: list[Actuated]) -> dict[str, Array | NDArray[np.void]]:
+    """Return what the spatial model alone knows of each component."""
+    if design.mission.solver.model != "spatial":
+        return WITHOUT
+    declared = isinstance(design.vehicle.mass_properties, DeclaredMass)
+    floats = design.mission.environment.surface != "end"
+    still = [c for c in design.vehicle.components if isinstance(c, Rigid) and c.volume > 0.0]
+    return {
+        "members": records(MEMBER, (_member(part, declared, floats) for part in parts)),
+        "inertias": np.concatenate([WITHOUT["inertias"], *(_harmonics(part, declared) for part in parts)]),
+        "solids": np.concatenate([WITHOUT["solids"], *(_solid(component, floats) for component in still)]),
+    }
+
+
+def _space(design: Design, weighs: Masses, *, emerging: float, heave_added: float) -> NDArray[np.void]:
     spatial = design.mission.solver.model == "spatial"
     layout: Any = spatial_layout if spatial else params
-    heave = balance.mass + heave_added
+    heave = weighs.mass + heave_added
     values = {
         "bed_stiffness": heave * BED_FREQUENCY**2,
         "bed_damping": 2.0 * heave * BED_FREQUENCY,
         "spatial": spatial, "depth": layout.Z, "work": layout.WORK_ACTUATORS, "extensions": layout.EXTENSIONS,
         **_surroundings(design.mission.environment, emerging),
         **_source_numbers(design.vehicle.hydrodynamics),
-        **_still_mass(design, balance),
+        "mass": weighs.mass, **dict(zip(STILL, still_masses(design.vehicle, weighs), strict=True)),
     }  # fmt: skip
-    return np.array([tuple(values[name] for name in SPACE.names or ())], dtype=SPACE)
+    return records(SPACE, [named_bytes(SPACE, values)])
 
 
 @remembered(most=16)
@@ -122,27 +128,6 @@ def _surroundings(environment: Environment, emerging: float) -> dict[str, float]
         "surface_ends": environment.surface == "end", "bed_ends": environment.bed_contact == "end",
         "levels": _current(environment.current).levels,
     }  # fmt: skip
-
-
-def _still_mass(design: Design, balance: MassBalance) -> dict[str, float]:
-    """Return mass, first moment and inertia about the origin of all that does not move."""
-    if isinstance(design.vehicle.mass_properties, DeclaredMass):
-        inertia = balance.inertia_about_origin
-        numbers = np.array([*balance.mass * balance.center_of_mass, *(inertia[i, j] for i, j in ENTRIES)])
-    else:
-        numbers = np.zeros(len(STILL))
-        for component in design.vehicle.components:
-            if not isinstance(component, MovableMass | RollingMass):
-                numbers += _still_share(component)
-    return {"mass": balance.mass} | dict(zip(STILL, numbers.tolist(), strict=True))
-
-
-@remembered(most=1_000)
-def _still_share(component: Component) -> Array:
-    """Return what a component adds to mass moment and inertia about the origin, in the order of `STILL`."""
-    r = component_center_of_mass(component, 0.0)
-    inertia = inertia_matrix(component.inertia) + component.mass * point_inertia(r)
-    return np.array([*component.mass * r, *(inertia[i, j] for i, j in ENTRIES)])
 
 
 @remembered(most=16)
@@ -210,34 +195,32 @@ def _source_arrays(source: Hydrodynamics) -> dict[str, Array]:
     return {"rates": _rates(source), "coefficients": numbers, **grid}
 
 
-def _solids(design: Design) -> Array:
-    rows = [
-        [c.volume, *c.position, 0.0 if c.bulk_modulus is None else 1.0 / c.bulk_modulus, _half_height(design, c)]
-        for c in design.vehicle.components
-        if isinstance(c, Rigid) and c.volume > 0.0
-    ]
-    return np.array(rows, dtype=np.float64).reshape(-1, len(spatial_layout.SOLID_COLUMNS))
+@remembered(most=1_000)
+def _solid(component: Rigid, floats: bool) -> Array:
+    """Return the row of a component that displaces and does not move, (1, 6)."""
+    compressed = 0.0 if component.bulk_modulus is None else 1.0 / component.bulk_modulus
+    return np.array([[component.volume, *component.position, compressed, _half_height(component, floats)]])
 
 
-def _half_height(design: Design, component: Any) -> float:
-    return 0.0 if design.mission.environment.surface == "end" else 0.5 * fading_height(component)
+def _half_height(component: Any, floats: bool) -> float:
+    return 0.5 * fading_height(component) if floats else 0.0
 
 
-def _members(design: Design, parts: list[Actuated]) -> NDArray[np.void]:
-    records = np.zeros(len(parts), dtype=MEMBER)
-    declared = isinstance(design.vehicle.mass_properties, DeclaredMass)
-    for record, part in zip(records, parts, strict=True):
-        axis = unit_axis(part)
-        record["axis_x"], record["axis_y"], record["axis_z"] = axis
-        record["x"], record["y"], record["z"] = part.position
-        record["per_efficiency"], record["recovery"] = 1.0 / part.efficiency, part.recovery
-        if isinstance(part, MovableMass | RollingMass):
-            record["moving_mass"], record["moves"] = (0.0, 0.0) if declared else (part.mass, 1.0)
-            _place_mass(record, part, axis)
-        else:
-            record["per_bulk"] = 0.0 if part.bulk_modulus is None else 1.0 / part.bulk_modulus
-            record["half_height"] = _half_height(design, part)
-    return records
+@remembered(most=1_000)
+def _member(part: Actuated, declared: bool, floats: bool) -> bytes:
+    """Return the record of a part that moves; `declared` where masses are, `floats` where it may emerge."""
+    record = np.zeros(1, dtype=MEMBER)
+    axis = unit_axis(part)
+    record["axis_x"], record["axis_y"], record["axis_z"] = axis
+    record["x"], record["y"], record["z"] = part.position
+    record["per_efficiency"], record["recovery"] = 1.0 / part.efficiency, part.recovery
+    if isinstance(part, MovableMass | RollingMass):
+        record["moving_mass"], record["moves"] = (0.0, 0.0) if declared else (part.mass, 1.0)
+        _place_mass(record, part, axis)
+    else:
+        record["per_bulk"] = 0.0 if part.bulk_modulus is None else 1.0 / part.bulk_modulus
+        record["half_height"] = _half_height(part, floats)
+    return record.tobytes()
 
 
 def _place_mass(record: Any, part: MovableMass | RollingMass, axis: Array) -> None:
@@ -252,16 +235,16 @@ def _place_mass(record: Any, part: MovableMass | RollingMass, axis: Array) -> No
     record["base_x"], record["base_y"], record["base_z"] = base
 
 
-def _inertias(design: Design, parts: list[Actuated]) -> Array:
-    """Return each moving mass's own inertia as a trigonometric sum of its angle: (parts, 5, 6) of 1, c, s, c2, s2."""
-    harmonics = np.zeros((len(parts), 5, 6))
-    if isinstance(design.vehicle.mass_properties, DeclaredMass):
+@remembered(most=1_000)
+def _harmonics(part: Actuated, declared: bool) -> Array:
+    """Return a moving mass's own inertia as a trigonometric sum of its angle: (1, 5, 6) of 1, c, s, c2, s2."""
+    harmonics = np.zeros((1, 5, 6))
+    if declared:
         return harmonics
-    for k, part in enumerate(parts):
-        own = inertia_matrix(part.inertia)
-        if isinstance(part, MovableMass):
-            harmonics[k, 0] = [own[i, j] for i, j in ENTRIES]
-        elif isinstance(part, RollingMass):
-            turned = [turn @ own @ turn.T for turn in (rotation_about(unit_axis(part), a) for a in ANGLES)]
-            harmonics[k] = np.linalg.solve(HARMONICS, np.array([[m[i, j] for i, j in ENTRIES] for m in turned]))
+    own = inertia_matrix(part.inertia)
+    if isinstance(part, MovableMass):
+        harmonics[0, 0] = [own[i, j] for i, j in ENTRIES]
+    elif isinstance(part, RollingMass):
+        turned = [turn @ own @ turn.T for turn in (rotation_about(unit_axis(part), a) for a in ANGLES)]
+        harmonics[0] = np.linalg.solve(HARMONICS, np.array([[m[i, j] for i, j in ENTRIES] for m in turned]))
     return harmonics

@@ -5,28 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
-import numpy as np
-from numpy.typing import NDArray
-
-from models.added_mass import added_mass
 from models.assemble_control import control_problems
 from models.components import Actuated, extension_unit
 from models.design import Design
+from models.environment import Environment
 from models.hydrodynamic_law import HydrodynamicLaw, law_of
 from models.hydrodynamic_sources import Hydrodynamics
-from models.hydrodynamics import AddedMass, PolarTable
+from models.hydrodynamics import PolarTable
 from models.hydrodynamics_angles import AngleTable
 from models.limits import Limits
-from models.mass_properties import MassBalance, initial_extensions, mass_balance, smallest_moment
+from models.mass_checks import mass_problems
 from models.memory import remembered
+from models.mission import Control, Solver
 from models.model_checks import model_problems
 from models.problems import DesignError, Problem, pointer_to
-from models.water import gravity_of, water_table
+from models.schedule import Schedule
+from models.water import require_known
 
 COLUMNS = {"planar": (33, 4), "spatial": (100, 6)}
 """Numbers kept a sample: the variables over time with the states, and those of each cell with its states."""
 CONTROL_COLUMNS = (24, 1)
 """Those beside them under control: what it shows, as recorded and as kept, and the command of each cell."""
+Count = tuple[str, str, float, float, str]
+"""Where something is counted, what that is, how many, the most there may be, and what to do beyond."""
 
 
 def check_design(design: Design, limits: Limits) -> HydrodynamicLaw | None:
@@ -38,16 +39,20 @@ def check_design(design: Design, limits: Limits) -> HydrodynamicLaw | None:
         With all problems, where it cannot be simulated.
 
     """
-    problems = list(_limit_problems(design, limits))
-    if problems:
-        raise DesignError(problems)
+    mission, vehicle = design.mission, design.vehicle
+    beyond = _limit_problems(
+        mission.control, mission.environment, vehicle.hydrodynamics, mission.solver, limits,
+        mission.duration, len(vehicle.components), len(vehicle.actuated),
+    )  # fmt: skip
+    if beyond:
+        raise DesignError(beyond)
     problems = [
         *_schedule_problems(design), *control_problems(design), *_initial_problems(design), *model_problems(design),
-        *_mass_problems(design),
+        *mass_problems(design),
     ]  # fmt: skip
     try:
         law = law_of(design.vehicle.hydrodynamics)
-        water_table(design.mission.environment.water, gravity_of(design.mission.environment))
+        require_known(mission.environment.water)
     except DesignError as error:
         raise DesignError([*problems, *error.problems]) from None
     if problems:
@@ -55,46 +60,60 @@ def check_design(design: Design, limits: Limits) -> HydrodynamicLaw | None:
     return law
 
 
-def _limit_problems(design: Design, limits: Limits) -> Iterator[Problem]:
-    mission, vehicle = design.mission, design.vehicle
-    solver = mission.solver
-    points = sum(len(s.points) for s in mission.control.schedules)
-    samples = mission.duration / solver.output_interval
-    fixed, per_cell = COLUMNS[solver.model]
-    controller = mission.control.controller
-    if controller is not None:
-        fixed, per_cell = fixed + CONTROL_COLUMNS[0], per_cell + CONTROL_COLUMNS[1]
-    controlled = 0.0 if controller is None else mission.duration / controller.sample_time
-    columns = fixed + per_cell * len(vehicle.actuated)
-    rows, where = table_rows(vehicle.hydrodynamics)
-    levels = len(getattr(mission.environment.water, "depths", ()))
-    values = sum(len(profile) for profile in getattr(mission.environment.current, "north", ()))
-    most = min(limits.samples, limits.numbers // columns)
+@remembered(most=100, about=5)
+def _limit_problems(
+    control: Control, environment: Environment, source: Hydrodynamics, solver: Solver, limits: Limits,
+    duration: float, components: int, cells: int,
+) -> tuple[Problem, ...]:  # fmt: skip
     counts = [
-        ("/vehicle/components", "components", len(vehicle.components), limits.components, "remove some"),
+        ("/vehicle/components", "components", components, limits.components, "remove some"),
+        *_length_counts(control, environment, source, limits),
+        *_sample_counts(control, solver, limits, duration=duration, cells=cells),
+    ]
+    return tuple(
+        Problem(pointer, f"{value:g} {what} exceed the limit of {bound:g}", limit=bound, hint=hint)
+        for pointer, what, value, bound, hint in counts
+        if value > bound
+    )
+
+
+def _length_counts(control: Control, environment: Environment, source: Hydrodynamics, limits: Limits) -> list[Count]:
+    """Return what counts among the schedules and the tables."""
+    points = sum(len(s.points) for s in control.schedules)
+    rows, where = table_rows(source)
+    levels = len(getattr(environment.water, "depths", ()))
+    values = sum(len(profile) for profile in getattr(environment.current, "north", ()))
+    return [
         ("/mission/control/schedules", "schedule points", points, limits.schedule_points, "use fewer points"),
         (f"/vehicle/hydrodynamics/{where}", "table rows", rows, limits.table_rows, "thin the table"),
         ("/mission/environment/water/depths", "levels of the water", levels, limits.table_rows, "thin the profile"),
         ("/mission/environment/current/depths", "values of the current", values, limits.table_rows, "thin the table"),
-        ("/mission/duration", "seconds", mission.duration, limits.duration, "shorten the mission"),
-        (
-            "/mission/solver/output_interval", "samples of the result",
-            math.ceil(samples), most,
-            f"use an interval of at least {mission.duration / most:.3g} s",
-        ),
-    ]  # fmt: skip
+    ]
+
+
+def _sample_counts(control: Control, solver: Solver, limits: Limits, *, duration: float, cells: int) -> list[Count]:
+    """Return what counts over time; `cells` is the number of components that move."""
+    fixed, per_cell = COLUMNS[solver.model]
+    controller = control.controller
     if controller is not None:
-        hint = f"use a sample time of at least {mission.duration / limits.samples:.3g} s"
+        fixed, per_cell = fixed + CONTROL_COLUMNS[0], per_cell + CONTROL_COLUMNS[1]
+    most = min(limits.samples, limits.numbers // (fixed + per_cell * cells))
+    samples, hint = math.ceil(duration / solver.output_interval), f"use an interval of at least {duration / most:.3g} s"
+    counts: list[Count] = [
+        ("/mission/duration", "seconds", duration, limits.duration, "shorten the mission"),
+        ("/mission/solver/output_interval", "samples of the result", samples, most, hint),
+    ]
+    if controller is not None:
+        controlled = duration / controller.sample_time
+        hint = f"use a sample time of at least {duration / limits.samples:.3g} s"
         counts.append(
             ("/mission/control/controller/sample_time", "samples of the controller", controlled, limits.samples, hint)
         )
     if solver.method == "rk4":
-        steps = math.ceil(mission.duration / solver.step)
-        hint = f"use a step of at least {mission.duration / limits.steps:.3g} s, or the adaptive method"
+        steps = math.ceil(duration / solver.step)
+        hint = f"use a step of at least {duration / limits.steps:.3g} s, or the adaptive method"
         counts.append(("/mission/solver/step", "steps", steps, limits.steps, hint))
-    for pointer, what, value, bound, hint in counts:
-        if value > bound:
-            yield Problem(pointer, f"{value:g} {what} exceed the limit of {bound:g}", limit=bound, hint=hint)
+    return counts
 
 
 def table_rows(source: Hydrodynamics) -> tuple[int, str]:
@@ -130,7 +149,7 @@ def _schedule_problems(design: Design) -> Iterator[Problem]:
     moving = {c.name: c for _, c in design.vehicle.actuated}
     seen: set[str] = set()
     for i, schedule in enumerate(design.mission.control.schedules):
-        pointer = pointer_to("mission", "control", "schedules", i)
+        pointer = f"/mission/control/schedules/{i}"
         part = moving.get(schedule.cell)
         if part is None:
             yield _unknown(f"{pointer}/cell", schedule.cell, moving)
@@ -138,23 +157,27 @@ def _schedule_problems(design: Design) -> Iterator[Problem]:
         if schedule.cell in seen:
             yield Problem(f"{pointer}/cell", f"'{schedule.cell}' has a schedule already", limit=1, hint="merge the two")
         seen.add(schedule.cell)
-        for k, point in enumerate(schedule.points):
-            if _outside(point.extension, part.stroke):
-                yield _stop_problem(f"{pointer}/points/{k}/extension", part, point.extension)
-                break
+        k = _first_outside(schedule, part.stroke)
+        if k is not None:
+            yield _stop_problem(f"{pointer}/points/{k}/extension", part, schedule.points[k].extension)
     yield from extension_problems(design, design.mission.initial.extensions, "/mission/initial/extensions")
+
+
+@remembered(most=1_000)
+def _first_outside(schedule: Schedule, stops: tuple[float, float]) -> int | None:
+    """Return the first point of a schedule beyond the stops, None where there is none."""
+    return next((k for k, point in enumerate(schedule.points) if _outside(point.extension, stops)), None)
 
 
 def extension_problems(design: Design, extensions: Mapping[str, float], pointer: str) -> Iterator[Problem]:
     """Yield what is wrong with extensions (m, by name) that stand at `pointer`: unknown names, and stops passed."""
     moving = {c.name: c for _, c in design.vehicle.actuated}
     for name, extension in extensions.items():
-        at = pointer + pointer_to(name)
         part = moving.get(name)
         if part is None:
-            yield _unknown(at, name, moving)
+            yield _unknown(pointer + pointer_to(name), name, moving)
         elif _outside(extension, part.stroke):
-            yield _stop_problem(at, part, extension)
+            yield _stop_problem(pointer + pointer_to(name), part, extension)
 
 
 def _unknown(pointer: str, name: str, moving: Iterable[str]) -> Problem:
@@ -174,83 +197,4 @@ def _initial_problems(design: Design) -> Iterator[Problem]:
         yield Problem(
             "/mission/initial/position/2", f"the glider starts at z = {depth:g} m, at or below the bed at {bed:g} m",
             limit=bed, hint="start above the bed",
-        )  # fmt: skip
-
-
-def _mass_problems(design: Design) -> Iterator[Problem]:
-    vehicle = design.vehicle
-    problems = () if vehicle.added_mass is None else _added_mass_problems(vehicle.added_mass)
-    yield from problems
-    yield from _component_inertia_problems(design)
-    balance = mass_balance(vehicle, initial_extensions(design))
-    if balance.mass <= 0.0:
-        yield Problem("/vehicle/components", "the components weigh nothing", limit=0.0, hint="give one a mass")
-        return
-    declared = vehicle.mass_properties.kind == "declared"
-    pointer = "/vehicle/mass_properties/inertia" if declared else "/vehicle/components"
-    smallest = float(np.linalg.eigvalsh(balance.inertia)[0])
-    tolerance = 1e-9 * max(float(np.trace(balance.inertia)), 1e-12)
-    if smallest < -tolerance:
-        yield Problem(
-            pointer, f"the inertia about the centre of mass has a negative principal moment, {smallest:.4g} kg m2",
-            limit=0.0, hint="check the products of inertia",
-        )  # fmt: skip
-    turning = turning_inertia(balance, added_mass(design))
-    if design.mission.solver.model == "planar":
-        moment, axis = float(turning[1, 1]), "pitch"
-    else:
-        moments, directions = np.linalg.eigh(turning)
-        moment, axis = float(moments[0]), ("roll", "pitch", "yaw")[int(np.abs(directions[:, 0]).argmax())]
-    if not problems and moment <= 1e-12 * balance.mass:
-        yield Problem(
-            pointer, f"the moment of inertia in {axis} is {moment:.4g} kg m2: the equations are singular",
-            limit=0.0, hint="give the components inertia, or put them apart",
-        )  # fmt: skip
-
-
-def _component_inertia_problems(design: Design) -> Iterator[Problem]:
-    """Yield components whose own inertia no body has: one that rolls would carry it into every attitude."""
-    if design.mission.solver.model == "planar" or design.vehicle.mass_properties.kind == "declared":
-        return
-    for i, component in enumerate(design.vehicle.components):
-        smallest = smallest_moment(component.inertia)
-        if smallest < 0.0:
-            yield Problem(
-                pointer_to("vehicle", "components", i, "inertia"),
-                f"the inertia of '{component.name}' has a negative principal moment, {smallest:.4g} kg m2",
-                limit=0.0, hint="check the products of inertia",
-            )  # fmt: skip
-
-
-def turning_inertia(balance: MassBalance, A: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the inertia about the point that turns most freely, (3, 3) kg m2: the Schur complement of M_RB + M_A."""
-    mass, (x, y, z) = balance.mass, (balance.mass * balance.center_of_mass).tolist()
-    whole = A[:3, :3] + np.array([[mass, 0.0, 0.0], [0.0, mass, 0.0], [0.0, 0.0, mass]])
-    mixed = A[:3, 3:] + np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
-    turning = A[3:, 3:] + balance.inertia_about_origin - mixed.T @ np.linalg.solve(whole, mixed)
-    return np.asarray(turning, dtype=np.float64)
-
-
-@remembered(most=100)
-def _added_mass_problems(added: AddedMass) -> tuple[Problem, ...]:
-    return tuple(_matrix_problems(added))
-
-
-def _matrix_problems(added: AddedMass) -> Iterator[Problem]:
-    pointer = "/vehicle/added_mass/matrix"
-    A = np.array(added.matrix)
-    size = float(np.abs(A).max())
-    skew = np.abs(A - A.T)
-    if skew.max() > 1e-9 * size:
-        i, j = (int(k) for k in np.unravel_index(skew.argmax(), skew.shape))
-        yield Problem(
-            f"{pointer}/{i}/{j}", f"added mass is not symmetric: [{i}][{j}] = {A[i, j]:g}, [{j}][{i}] = {A[j, i]:g}",
-            limit=float(A[j, i]), hint="make both entries equal",
-        )  # fmt: skip
-        return
-    smallest = float(np.linalg.eigvalsh(A)[0])
-    if smallest < -1e-9 * size:
-        yield Problem(
-            pointer, f"added mass is not positive semi-definite: its smallest eigenvalue is {smallest:.4g}",
-            limit=0.0, hint="check the signs of the couplings",
         )  # fmt: skip

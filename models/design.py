@@ -15,6 +15,7 @@ from models.components import Actuated, Component, Inertia, Rigid
 from models.fields import Description, Vector3, quantity, text, vector
 from models.hydrodynamic_sources import Hydrodynamics
 from models.hydrodynamics import AddedMass, Damping
+from models.memory import remembered
 from models.mission import Mission
 from models.plain_words import plainly
 from models.problems import DesignError, Problem
@@ -57,6 +58,7 @@ class Vehicle(Description):
     )  # fmt: skip
 
     @property
+    @remembered(most=16)  # every check and record of a design begins with them
     def actuated(self) -> tuple[tuple[int, Actuated], ...]:
         """The components that move, each with its index among all components."""
         return tuple((i, c) for i, c in enumerate(self.components) if not isinstance(c, Rigid))

@@ -18,6 +18,7 @@ from scipy.interpolate import PchipInterpolator
 from models.hydrodynamic_sources import Hydrodynamics
 from models.hydrodynamics import PolarTable
 from models.hydrodynamics_coefficients import CoefficientForm
+from models.memory import remembered
 from models.problems import DesignError, Problem
 
 QUANTITIES = ("lift", "drag", "moment")
@@ -199,6 +200,7 @@ def coefficient_law(source: CoefficientForm) -> HydrodynamicLaw:
     return HydrodynamicLaw(np.array([-np.pi, 0.0, np.pi]), coefficients, ())
 
 
+@remembered(most=100)
 def law_of(source: Hydrodynamics) -> HydrodynamicLaw | None:
     """Return a source's law in the angle of attack; None for a table over both angles.
 

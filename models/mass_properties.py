@@ -5,8 +5,10 @@ Body axes, SI units. Written apart from the kernel, so that tests can hold one a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +17,11 @@ from models.components import Component, Inertia, MovableMass, Rigid, RollingMas
 from models.design import DeclaredMass, Design, Vehicle, parse_design
 from models.memory import remembered
 from models.problems import DesignError, Problem, pointer_to
-from models.volumes import core_volume, grows_along_axis, unit_axis, volume
+from models.volumes import axis_numbers, core_volume, grows_along_axis, unit_axis, volume
 from models.water import surface_density
 
 Array = NDArray[np.float64]
+Numbers3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -44,10 +47,33 @@ class MassBalance:
         return gravity * (density * self.volume - self.mass)
 
 
+class Masses(NamedTuple):
+    """What the vehicle weighs at given extensions, in plain numbers: those of `MassBalance`, row by row.
+
+    `center` is the centre of mass (m), `inertia` about it (kg m2).
+    """
+
+    mass: float
+    center: Numbers3
+    inertia: tuple[Numbers3, Numbers3, Numbers3]
+
+    @property
+    def moments(self) -> tuple[float, ...]:
+        """First moment about the body origin (kg m), then the inertia xx, yy, zz, xy, xz, yz about it (kg m2)."""
+        mass, (x, y, z), rows = self.mass, self.center, self.inertia
+        inertia = [a + mass * b for a, b in zip(chain(*rows), point_numbers(x, y, z), strict=True)]
+        return mass * x, mass * y, mass * z, *(inertia[k] for k in (0, 4, 8, 1, 2, 5))
+
+
 def point_inertia(r: Array) -> Array:
     """Return the inertia of a unit point mass at r (3,) about the origin, (3, 3) m2."""
-    x, y, z = r.tolist()
-    return np.array([[y * y + z * z, -x * y, -x * z], [-x * y, x * x + z * z, -y * z], [-x * z, -y * z, x * x + y * y]])
+    return np.array(point_numbers(*r.tolist())).reshape(3, 3)
+
+
+def point_numbers(x: float, y: float, z: float) -> tuple[float, ...]:
+    """Return the entries of `point_inertia`, row by row."""
+    xy, xz, yz = -x * y, -x * z, -y * z
+    return y * y + z * z, xy, xz, xy, x * x + z * z, yz, xz, yz, x * x + y * y
 
 
 def rotation_about(axis: Array, angle: float) -> Array:
@@ -80,17 +106,23 @@ def smallest_moment(inertia: Inertia) -> float:
 def initial_extensions(design: Design) -> dict[str, float]:
     """Return the extension of every moving component at time zero, before any command, m."""
     given = design.mission.initial.extensions
-    return {c.name: given.get(c.name, c.neutral) for _, c in design.vehicle.actuated}
+    return {c.name: given[c.name] if c.name in given else c.neutral for _, c in design.vehicle.actuated}
 
 
 def component_center_of_mass(component: Component, extension: float) -> Array:
     """Return a component's centre of mass at an extension, (3,) m."""
-    home = np.array(component.center_of_mass or component.position)
+    return np.array(_center_of_mass(component, extension))
+
+
+def _center_of_mass(component: Component, extension: float) -> Numbers3:
+    home = component.center_of_mass or component.position
     if isinstance(component, MovableMass):
-        return np.asarray(home + (extension - component.neutral) * unit_axis(component), dtype=np.float64)
+        (x, y, z), (a, b, c), travel = home, axis_numbers(component), extension - component.neutral
+        return x + travel * a, y + travel * b, z + travel * c
     if isinstance(component, RollingMass):
         turn, pivot = rotation_about(unit_axis(component), extension - component.neutral), np.array(component.pivot)
-        return np.asarray(pivot + turn @ (home - pivot), dtype=np.float64)
+        x, y, z = (pivot + turn @ (np.array(home) - pivot)).tolist()
+        return x, y, z
     return home
 
 
@@ -106,31 +138,81 @@ def component_inertia(component: Component, extension: float) -> Array:
 def component_center_of_buoyancy(component: Component, extension: float) -> Array:
     """Return a component's centre of buoyancy at an extension, (3,) m; its position where it displaces nothing."""
     total = volume(component, extension)
-    shift = _stack_moment(component, extension) / total if total > 0.0 else np.zeros(3)
+    shift = np.array(_stack_moment(component, extension, total)) / total if total > 0.0 else np.zeros(3)
     return np.asarray(np.array(component.position) + shift, dtype=np.float64)
 
 
 def component_volume_moment(component: Component, extension: float) -> Array:
     """Return the first moment of the displaced volume about the origin, (3,) m4; it exists where V = 0 too."""
-    home = volume(component, extension) * np.array(component.position)
-    return np.asarray(home + _stack_moment(component, extension), dtype=np.float64)
+    return np.array(_volume_moment(component, extension, volume(component, extension)))
 
 
-def _stack_moment(component: Component, extension: float) -> Array:
-    """Return the stack's first moment about the component's position, (3,) m4: its centre moves by half its growth."""
+def _volume_moment(component: Component, extension: float, displaced: float) -> Numbers3:
+    (x, y, z), (dx, dy, dz) = component.position, _stack_moment(component, extension, displaced)
+    return displaced * x + dx, displaced * y + dy, displaced * z + dz
+
+
+def _stack_moment(component: Component, extension: float, displaced: float) -> Numbers3:
+    """Return the stack's first moment about the component's position, m4: its centre moves by half its growth.
+
+    `displaced` is the component's volume at the extension, m3.
+    """
     if isinstance(component, Rigid | MovableMass | RollingMass) or not grows_along_axis(component):
-        return np.zeros(3)
-    stack = volume(component, extension) - core_volume(component)
-    return np.asarray(0.5 * (extension - component.neutral) * stack * unit_axis(component), dtype=np.float64)
+        return 0.0, 0.0, 0.0
+    a, b, c = axis_numbers(component)
+    moment = 0.5 * (extension - component.neutral) * (displaced - core_volume(component))
+    return moment * a, moment * b, moment * c
 
 
-@remembered(most=20_000)
-def _share_of(component: Component, extension: float) -> Array:
-    """Return what one component adds (17,): volume, its first moment, mass, its moment, inertia about the origin."""
-    r, mass = component_center_of_mass(component, extension), component.mass
-    inertia = component_inertia(component, extension) + mass * point_inertia(r)
-    moment = component_volume_moment(component, extension)
-    return np.array([volume(component, extension), *moment, mass, *mass * r, *inertia.ravel()])
+@remembered(most=2_000)
+def _volume_share(component: Component, extension: float) -> tuple[float, ...]:
+    """Return what a component adds to the volume and its first moment about the origin."""
+    displaced = volume(component, extension)
+    return displaced, *_volume_moment(component, extension, displaced)
+
+
+@remembered(most=2_000)
+def _mass_share(component: Component, extension: float) -> tuple[float, ...]:
+    """Return what a component adds to mass, its first moment, and the inertia about the origin, row by row."""
+    (x, y, z), mass = _center_of_mass(component, extension), component.mass
+    if isinstance(component, RollingMass):
+        own = component_inertia(component, extension).ravel().tolist()
+    else:
+        i = component.inertia
+        own = [i.xx, i.xy, i.xz, i.xy, i.yy, i.yz, i.xz, i.yz, i.zz]
+    inertia = [a + mass * b for a, b in zip(own, point_numbers(x, y, z), strict=True)]
+    return mass, mass * x, mass * y, mass * z, *inertia
+
+
+def _placed(vehicle: Vehicle, extensions: tuple[float, ...]) -> Iterable[tuple[Component, float]]:
+    """Return every component with its extension; 0 for those that do not move."""
+    places = iter(extensions)
+    return [(c, 0.0 if isinstance(c, Rigid) else next(places)) for c in vehicle.components]
+
+
+def masses(vehicle: Vehicle, extensions: Mapping[str, float] | None = None) -> Masses:
+    """Return what `mass_balance` does of mass alone."""
+    declared, given = vehicle.mass_properties, extensions or {}
+    if isinstance(declared, DeclaredMass):
+        return _declared(declared)
+    return _composed(vehicle, tuple(given.get(c.name, c.neutral) for _, c in vehicle.actuated))
+
+
+@remembered(most=100)
+def _declared(declared: DeclaredMass) -> Masses:
+    i = declared.inertia
+    return Masses(declared.mass, declared.center_of_mass, ((i.xx, i.xy, i.xz), (i.xy, i.yy, i.yz), (i.xz, i.yz, i.zz)))
+
+
+@remembered(most=16)
+def _composed(vehicle: Vehicle, extensions: tuple[float, ...]) -> Masses:
+    shares = [_mass_share(component, extension) for component, extension in _placed(vehicle, extensions)]
+    mass, x, y, z, *inertia = (sum(column) for column in zip(*shares, strict=True))
+    center = (x / mass, y / mass, z / mass) if mass > 0.0 else (0.0, 0.0, 0.0)
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = (
+        entry - mass * moved for entry, moved in zip(inertia, point_numbers(*center), strict=True)
+    )
+    return Masses(mass, center, ((xx, xy, xz), (yx, yy, yz), (zx, zy, zz)))
 
 
 def mass_balance(vehicle: Vehicle, extensions: Mapping[str, float] | None = None) -> MassBalance:
@@ -140,26 +222,20 @@ def mass_balance(vehicle: Vehicle, extensions: Mapping[str, float] | None = None
     Declared mass properties replace the first three.
     """
     given = extensions or {}
-    return _balance(
-        vehicle, tuple(0.0 if isinstance(c, Rigid) else given.get(c.name, c.neutral) for c in vehicle.components)
-    )
+    return _balance(vehicle, tuple(given.get(c.name, c.neutral) for _, c in vehicle.actuated))
 
 
 @remembered(most=16)
 def _balance(vehicle: Vehicle, extensions: tuple[float, ...]) -> MassBalance:
-    total = np.zeros(17)
-    for component, extension in zip(vehicle.components, extensions, strict=True):
-        total += _share_of(component, extension)
-    total_volume, mass = float(total[0]), float(total[4])
-    center = total[5:8] / mass if mass > 0.0 else np.zeros(3)
-    inertia = total[8:].reshape(3, 3) - mass * point_inertia(center)
+    shares = [_volume_share(component, extension) for component, extension in _placed(vehicle, extensions)]
+    total_volume, *moment = (sum(column) for column in zip(*shares, strict=True))
+    buoyancy_center = np.array(moment) / total_volume if total_volume > 0.0 else np.zeros(3)
     declared = vehicle.mass_properties
-    if isinstance(declared, DeclaredMass):
-        mass, center, inertia = declared.mass, np.array(declared.center_of_mass), inertia_matrix(declared.inertia)
-    buoyancy_center = total[1:4] / total_volume if total_volume > 0.0 else np.zeros(3)
+    found = _declared(declared) if isinstance(declared, DeclaredMass) else _composed(vehicle, extensions)
+    center, inertia = np.array(found.center), np.array(found.inertia)
     for array in (center, inertia, buoyancy_center):
         array.flags.writeable = False  # many share it
-    return MassBalance(mass, center, inertia, total_volume, buoyancy_center)
+    return MassBalance(found.mass, center, inertia, total_volume, buoyancy_center)
 
 
 @dataclass(frozen=True)

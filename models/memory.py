@@ -17,9 +17,9 @@ More = ParamSpec("More")
 
 
 def remembered(
-    *, most: int
+    *, most: int, about: int = 1
 ) -> Callable[[Callable[Concatenate[AboutT, More], AnswerT]], Callable[Concatenate[AboutT, More], AnswerT]]:
-    """Return a decorator for a pure function of a description and further hashable values.
+    """Return a decorator for a pure function of descriptions, the first `about` arguments, and of hashable values.
 
     Up to `most` answers are kept, and with them the descriptions they are about; callers share an answer and must not
     change it.
@@ -28,18 +28,20 @@ def remembered(
     def decorate(
         function: Callable[Concatenate[AboutT, More], AnswerT],
     ) -> Callable[Concatenate[AboutT, More], AnswerT]:
-        known: dict[tuple[Hashable, ...], tuple[AboutT, AnswerT]] = {}
+        known: dict[tuple[Hashable, ...], tuple[tuple[Any, ...], AnswerT]] = {}
+
+        alone, others = about == 1, about - 1
 
         @wraps(function)
-        def answer(about: AboutT, *more: Any) -> AnswerT:
-            key = (id(about), *more)
+        def answer(first: AboutT, *more: Any) -> AnswerT:
+            key = (id(first), more) if alone else (id(first), *map(id, more[:others]), more[others:])
             held = known.get(key)
-            if held is not None:  # it holds the description, so no other can have its id
+            if held is not None:  # it holds the descriptions, so no others can have their ids
                 return held[1]
-            found = function(about, *more)  # type: ignore[call-arg]
+            found = function(first, *more)  # type: ignore[call-arg]
             if len(known) >= most:
                 known.clear()
-            known[key] = (about, found)
+            known[key] = ((first, more), found)
             return found
 
         return answer  # type: ignore[return-value]

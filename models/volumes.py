@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from models.components import Actuated, Bellows, Bladder, Component, MovableMass, Piston, Rigid, RollingMass
+from models.memory import remembered
 
 Array = NDArray[np.float64]
 
 
+@remembered(most=1_000)
 def volume_law(component: Actuated) -> Array:
     """Return the volume law of a component: rows of extension where a piece begins (m), then c0..c3 (m3, m2, m, 1).
 
@@ -54,11 +56,19 @@ def volume(component: Component, extension: float) -> float:
     if isinstance(component, Rigid):
         return component.volume
     law = volume_law(component)
-    row = law[max(int(np.searchsorted(law[:, 0], extension, side="right")) - 1, 0)]
-    h = extension - row[0]
-    return float(row[1] + h * (row[2] + h * (row[3] + h * row[4])))
+    k = int(law[:, 0].searchsorted(extension, side="right")) - 1 if len(law) > 1 else 0
+    begin, c0, c1, c2, c3 = law[max(k, 0)].tolist()
+    h = extension - begin
+    return float(c0 + h * (c1 + h * (c2 + h * c3)))
+
+
+def axis_numbers(component: Actuated) -> tuple[float, float, float]:
+    """Return the component's axis scaled to length 1."""
+    x, y, z = component.axis
+    length = math.hypot(x, y, z)
+    return x / length, y / length, z / length
 
 
 def unit_axis(component: Actuated) -> Array:
-    """Return the component's axis scaled to length 1."""
-    return np.asarray(np.array(component.axis) / math.hypot(*component.axis), dtype=np.float64)
+    """Return the component's axis scaled to length 1, (3,)."""
+    return np.array(axis_numbers(component))

@@ -81,6 +81,7 @@ class UnstableLayer:
     drop: float
 
 
+@remembered(most=100)
 def gravity_of(environment: Environment) -> float:
     """Return gravity, m/s2: as stated, else of the water's latitude (Moritz, 2000, as in TEOS-10), else 9.8."""
     if environment.gravity is not None:
@@ -107,6 +108,12 @@ def water_table(water: Water, gravity: float, *, mixed: float = 0.0) -> WaterTab
     rows = table.rows.copy()
     rows[:, 5] *= gravity
     return WaterTable(top=table.top, spacing=table.spacing, rows=rows)
+
+
+@remembered(most=100)
+def require_known(water: Water) -> None:
+    """Raise `DesignError` where TEOS-10 knows no composition of the sea at the longitude and latitude."""
+    _table(water, 0.0)
 
 
 @overload

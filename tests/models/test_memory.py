@@ -53,6 +53,28 @@ def test_answers_stay_right_beyond_what_is_kept():
     assert [product(Thing(float(k)), 2.0) for k in range(1000)] == [2.0 * k for k in range(1000)]
 
 
+def test_several_objects_are_told_apart_by_what_they_are_not_by_their_value():
+    questions: list[tuple[float, float]] = []
+
+    @remembered(most=10, about=2)
+    def product(thing: Thing, other: Thing, factor: float) -> float:
+        questions.append((thing.value, other.value))
+        return thing.value * other.value * factor
+
+    two, three = Thing(2.0), Thing(3.0)
+    assert [product(two, three, 1.0), product(three, two, 1.0), product(two, three, 1.0)] == [6.0, 6.0, 6.0]
+    assert product(two, Thing(3.0), 1.0) == 6.0
+    assert questions == [(2.0, 3.0), (3.0, 2.0), (2.0, 3.0)]
+
+
+def test_answers_about_several_stay_right_beyond_what_is_kept():
+    @remembered(most=7, about=2)
+    def difference(thing: Thing, other: Thing) -> float:
+        return thing.value - other.value
+
+    assert [difference(Thing(float(k)), Thing(1.0)) for k in range(1000)] == [k - 1.0 for k in range(1000)]
+
+
 def test_what_the_key_would_not_hold_is_refused():
     product, _ = asked(10)
     with pytest.raises(TypeError):
