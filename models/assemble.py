@@ -30,7 +30,7 @@ from models.problems import Problem
 from models.records import named_bytes, record_bytes, records
 from models.schedule import Schedule
 from models.still_parts import still_masses, still_parts
-from models.volumes import core_volume, grows_along_axis, unit_axis, volume_law
+from models.volumes import axis_numbers, core_volume, grows_along_axis, volume_law
 from models.water import current_table, gravity_of, surface_density
 
 Array = NDArray[np.float64]
@@ -144,7 +144,7 @@ def _parts(design: Design, parts: list[Actuated], laws: list[Array], commands: l
 @remembered(most=1_000)
 def _part_numbers(part: Actuated, declared: bool) -> tuple[float, ...]:
     """Return the record of a part up to where its law and its command stand among those of all."""
-    axis, center = unit_axis(part), part.center_of_mass or part.position
+    axis, center = axis_numbers(part), part.center_of_mass or part.position
     low, high = part.stroke
     values = {
         "axis_x": axis[0], "axis_z": axis[2], "neutral": part.neutral, "stop_low": low, "stop_high": high,
@@ -201,10 +201,11 @@ def _error_scale(design: Design, parts: list[Actuated], mass: float) -> Array:
     spatial = design.mission.solver.model == "spatial"
     layout: Any = spatial_layout if spatial else params
     work, first = layout.WORK_ACTUATORS, layout.EXTENSIONS
-    energy = mass * REFERENCE_SPEED**2
-    strokes = [high - low for low, high in (part.stroke for part in parts)]
-    scale = [1.0] * work + [energy] * (first - work) + strokes + [energy] * (len(parts) if spatial else 0)
-    return np.array(scale) * design.mission.solver.tolerance
+    tolerance = design.mission.solver.tolerance
+    energy = mass * REFERENCE_SPEED**2 * tolerance
+    strokes = [(high - low) * tolerance for low, high in (part.stroke for part in parts)]
+    spent = [energy] * (len(parts) if spatial else 0)
+    return np.array([tolerance] * work + [energy] * (first - work) + strokes + spent)
 
 
 def _initial_state(design: Design, extensions: list[float]) -> Array:
@@ -213,21 +214,20 @@ def _initial_state(design: Design, extensions: list[float]) -> Array:
     if design.mission.solver.model == "planar":
         u, w, q = initial.velocity[0], initial.velocity[2], initial.angular_velocity[1]
         return np.array([x, z, initial.pitch, u, w, q, 0.0, 0.0, *extensions])
-    attitude = quaternion_from_rpy_radians(initial.roll, initial.pitch, initial.yaw)
-    velocity = np.array(initial.velocity)
-    current = _current_at(design.mission.environment.current, z)
-    if current.any():
-        velocity += rotation_of(attitude).T @ current
+    attitude, velocity = quaternion_from_rpy_radians(initial.roll, initial.pitch, initial.yaw), initial.velocity
+    current = design.mission.environment.current
+    if current is not None:
+        velocity = (np.array(velocity) + rotation_of(attitude).T @ _current_at(current, z)).tolist()
     return np.array(
         [
-            x, y, z, *attitude.tolist(), *velocity.tolist(), *initial.angular_velocity,
-            0.0, 0.0, 0.0, *extensions, *(0.0 for _ in extensions),
+            x, y, z, *attitude.tolist(), *velocity, *initial.angular_velocity,
+            0.0, 0.0, 0.0, *extensions, *[0.0] * len(extensions),
         ]
     )  # fmt: skip
 
 
 @remembered(most=100)
-def _current_at(current: Current | None, depth: float) -> Array:
+def _current_at(current: Current, depth: float) -> Array:
     """Return the current at time zero, (3,) m/s in the world."""
     table = current_table(current)
     profiles = table.rows.reshape(len(table.times), table.levels, 9)

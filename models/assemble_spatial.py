@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -22,8 +22,8 @@ from models.kernel.spatial_layout import COEFFICIENT_NAMES, LATERAL_NAMES, MEMBE
 from models.mass_properties import Masses, inertia_matrix, rotation_about
 from models.memory import remembered
 from models.records import named_bytes, records
-from models.still_parts import fading_height, still_masses, still_parts
-from models.volumes import unit_axis
+from models.still_parts import still_masses
+from models.volumes import axis_numbers, unit_axis, volume
 from models.water import CurrentTable, WaterTable, current_table, gravity_of, water_table
 
 Array = NDArray[np.float64]
@@ -47,6 +47,7 @@ WITHOUT: dict[str, Array | NDArray[np.void]] = {
     "solids": np.zeros((0, len(spatial_layout.SOLID_COLUMNS))),
 }  # fmt: skip
 """Of each component what the planar model does not read."""
+NOTHING = dict.fromkeys(MEMBER.names or (), 0.0)
 
 
 def spatial_records(
@@ -71,11 +72,28 @@ def spatial_records(
     }  # fmt: skip
 
 
+@remembered(most=2_000)
+def fading_height(component: Any) -> float:
+    """Return the vertical extent over which a component's buoyancy fades, m; 0 of a mass inside, which has none.
+
+    It is the component's own, or that of a sphere. The sphere has the component's volume at neutral extension, or,
+    where it displaces nothing then, at its larger stop.
+    """
+    if isinstance(component, MovableMass | RollingMass):
+        return 0.0
+    if component.height is not None:
+        return float(component.height)
+    displaced = volume(component, 0.0 if isinstance(component, Rigid) else component.neutral)
+    if displaced <= 0.0 and not isinstance(component, Rigid):
+        displaced = max(volume(component, stop) for stop in component.stroke)
+    return float((6.0 * displaced / math.pi) ** (1.0 / 3.0))
+
+
 def emerging_depth(design: Design) -> float:
     """Return the depth of a part's centre above which some part of a floating glider begins to emerge, m."""
     if design.mission.environment.surface == "end":
         return 0.0
-    return still_parts(design.vehicle).emerging
+    return max(0.5 * fading_height(component) for component in design.vehicle.components)
 
 
 @remembered(most=16)
@@ -209,30 +227,30 @@ def _half_height(component: Any, floats: bool) -> float:
 @remembered(most=1_000)
 def _member(part: Actuated, declared: bool, floats: bool) -> bytes:
     """Return the record of a part that moves; `declared` where masses are, `floats` where it may emerge."""
-    record = np.zeros(1, dtype=MEMBER)
-    axis = unit_axis(part)
-    record["axis_x"], record["axis_y"], record["axis_z"] = axis
-    record["x"], record["y"], record["z"] = part.position
-    record["per_efficiency"], record["recovery"] = 1.0 / part.efficiency, part.recovery
+    values = {"per_efficiency": 1.0 / part.efficiency, "recovery": part.recovery}
+    values |= _along("axis", axis_numbers(part))
+    values["x"], values["y"], values["z"] = part.position
     if isinstance(part, MovableMass | RollingMass):
-        record["moving_mass"], record["moves"] = (0.0, 0.0) if declared else (part.mass, 1.0)
-        _place_mass(record, part, axis)
+        values["moving_mass"], values["moves"] = (0.0, 0.0) if declared else (part.mass, 1.0)
+        values |= _place_of_mass(part)
     else:
-        record["per_bulk"] = 0.0 if part.bulk_modulus is None else 1.0 / part.bulk_modulus
-        record["half_height"] = _half_height(part, floats)
-    return record.tobytes()
+        values["per_bulk"] = 0.0 if part.bulk_modulus is None else 1.0 / part.bulk_modulus
+        values["half_height"] = _half_height(part, floats)
+    return named_bytes(MEMBER, NOTHING | values)
 
 
-def _place_mass(record: Any, part: MovableMass | RollingMass, axis: Array) -> None:
+def _along(name: str, numbers: Iterable[float]) -> dict[str, float]:
+    return {f"{name}_{letter}": number for letter, number in zip("xyz", numbers, strict=True)}
+
+
+def _place_of_mass(part: MovableMass | RollingMass) -> dict[str, float]:
     base = np.array(part.center_of_mass or part.position)
-    if isinstance(part, RollingMass):
-        arm = base - np.array(part.pivot)
-        across = arm - axis * (axis @ arm)
-        record["rolls"] = 1.0
-        record["perp_x"], record["perp_y"], record["perp_z"] = across
-        record["cross_x"], record["cross_y"], record["cross_z"] = np.cross(axis, arm)
-        base = base - across
-    record["base_x"], record["base_y"], record["base_z"] = base
+    if isinstance(part, MovableMass):
+        return _along("base", base.tolist())
+    axis, arm = unit_axis(part), base - np.array(part.pivot)
+    across = arm - axis * (axis @ arm)
+    circle = _along("perp", across.tolist()) | _along("cross", np.cross(axis, arm).tolist())
+    return {"rolls": 1.0} | circle | _along("base", (base - across).tolist())
 
 
 @remembered(most=1_000)

@@ -157,15 +157,19 @@ def cases_of(group: list[Assembly], control: Control) -> Cases:
 def _joined(arrays: list[NDArray[np.generic]], spans: NDArray[np.int64], name: str) -> NDArray[np.generic]:
     """Return arrays one after another, and write the rows of each into `spans` (arrays, 2)."""
     if name in EVEN:
-        ends = np.cumsum([len(a) for a in arrays])
-        spans[:, 0], spans[:, 1] = ends - [len(a) for a in arrays], ends
+        lengths = np.array([len(a) for a in arrays])
+        ends = lengths.cumsum()
+        spans[:, 0], spans[:, 1] = ends - lengths, ends
         return _end_to_end(arrays)
+    if all(array is arrays[0] for array in arrays):  # what follows from what designs have in common is one array
+        spans[:] = 0, len(arrays[0])
+        return arrays[0]
     spans_by_content: dict[Hashable, tuple[int, int]] = {}
     spans_by_array: dict[int, tuple[int, int]] = {}
     kept: list[NDArray[np.generic]] = []
     end = 0
     for array in arrays:
-        if id(array) in spans_by_array:  # what follows from what designs have in common is one array for all
+        if id(array) in spans_by_array:
             continue
         content = (array.shape, array.tobytes())
         if content not in spans_by_content:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.energy import SHORTEST_WAY
-from models.metric_statistics import mean
+from models.metric_statistics import changes, mean
 from models.metric_windows import Stretch
 from models.run_warnings import SLOWEST
 
@@ -82,7 +82,7 @@ def _energy_residual(s: Stretch) -> float:
 
 def _cell_travel(s: Stretch) -> float:
     cells = [cell for cell, unit in zip(s.run.cells, s.run.extension_units, strict=True) if unit == "m"]
-    return math.fsum(float(np.abs(np.diff(s.output("extension", cell))).sum()) for cell in cells)
+    return math.fsum(float(np.abs(changes(s.output("extension", cell))).sum()) for cell in cells)
 
 
 def _bed_clearance(s: Stretch) -> float:

@@ -160,7 +160,7 @@ def _schedule_problems(design: Design) -> Iterator[Problem]:
         k = _first_outside(schedule, part.stroke)
         if k is not None:
             yield _stop_problem(f"{pointer}/points/{k}/extension", part, schedule.points[k].extension)
-    yield from extension_problems(design, design.mission.initial.extensions, "/mission/initial/extensions")
+    yield from _extension_problems(moving, design.mission.initial.extensions, "/mission/initial/extensions")
 
 
 @remembered(most=1_000)
@@ -171,7 +171,12 @@ def _first_outside(schedule: Schedule, stops: tuple[float, float]) -> int | None
 
 def extension_problems(design: Design, extensions: Mapping[str, float], pointer: str) -> Iterator[Problem]:
     """Yield what is wrong with extensions (m, by name) that stand at `pointer`: unknown names, and stops passed."""
-    moving = {c.name: c for _, c in design.vehicle.actuated}
+    return _extension_problems({c.name: c for _, c in design.vehicle.actuated}, extensions, pointer)
+
+
+def _extension_problems(
+    moving: Mapping[str, Actuated], extensions: Mapping[str, float], pointer: str
+) -> Iterator[Problem]:
     for name, extension in extensions.items():
         part = moving.get(name)
         if part is None:

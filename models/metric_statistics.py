@@ -38,6 +38,11 @@ def _magnitude(times: Array, values: Array) -> Piece:
     return np.insert(times, k + 1, crossings), np.abs(np.insert(values, k + 1, 0.0))
 
 
+def changes(values: Array) -> Array:
+    """Return what `np.diff` does, which for a few hundred values takes longer to be called than to be computed."""
+    return values[1:] - values[:-1]
+
+
 def duration(pieces: Sequence[Piece]) -> float:
     """Return the time that pieces take together, s."""
     return math.fsum(t[-1] - t[0] for t, _ in pieces)
@@ -75,7 +80,7 @@ def minimum(pieces: Sequence[Piece]) -> float:
 
 def time_integral(pieces: Sequence[Piece]) -> float:
     """Return the integral of the values over time."""
-    return math.fsum(float(np.dot(np.diff(t), v[1:] + v[:-1])) / 2.0 for t, v in pieces)
+    return math.fsum(float(np.dot(changes(t), v[1:] + v[:-1])) / 2.0 for t, v in pieces)
 
 
 def mean(pieces: Sequence[Piece]) -> float:
@@ -89,7 +94,7 @@ def rms(pieces: Sequence[Piece]) -> float:
     length = duration(pieces)
     if length <= 0.0:
         return abs(mean(pieces))
-    squares = (float(np.dot(np.diff(t), v[1:] ** 2 + v[1:] * v[:-1] + v[:-1] ** 2)) / 3.0 for t, v in pieces)
+    squares = (float(np.dot(changes(t), v[1:] ** 2 + v[1:] * v[:-1] + v[:-1] ** 2)) / 3.0 for t, v in pieces)
     return math.sqrt(math.fsum(squares) / length)
 
 
@@ -101,7 +106,7 @@ def standard_deviation(pieces: Sequence[Piece]) -> float:
 
 def travel(pieces: Sequence[Piece]) -> float:
     """Return the sum of the magnitudes of all changes."""
-    return math.fsum(float(np.abs(np.diff(v)).sum()) for _, v in pieces)
+    return math.fsum(float(np.abs(changes(v)).sum()) for _, v in pieces)
 
 
 def percentile(pieces: Sequence[Piece], percent: float) -> float:
@@ -123,7 +128,7 @@ def _time_below(times: Array, values: Array, limit: float) -> float:
     low, high = np.minimum(values[1:], values[:-1]), np.maximum(values[1:], values[:-1])
     rise = high - low
     share = np.divide(limit - low, rise, out=(low < limit).astype(np.float64), where=rise > 0.0)
-    return float(np.dot(np.diff(times), np.clip(share, 0.0, 1.0)))
+    return float(np.dot(changes(times), np.clip(share, 0.0, 1.0)))
 
 
 STATISTICS: Mapping[StatisticName, Callable[[Sequence[Piece]], float]] = {

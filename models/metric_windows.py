@@ -24,7 +24,7 @@ from models.metric_phases import (
     While,
     WholeRun,
 )  # fmt: skip
-from models.metric_statistics import Interval, Piece, beyond, pieces_of
+from models.metric_statistics import Interval, Piece, beyond, changes, pieces_of
 from models.run import Event, Run
 
 Array = NDArray[np.float64]
@@ -81,8 +81,8 @@ class Stretch:
     @cached_property
     def steps(self) -> Array:
         """Horizontal way over ground from sample to sample, m."""
-        dx = np.diff(self["x"])
-        return np.hypot(dx, np.diff(self["y"])) if "y" in self else np.abs(dx)
+        dx = changes(self["x"])
+        return np.hypot(dx, changes(self["y"])) if "y" in self else np.abs(dx)
 
     @cached_property
     def way(self) -> float:
@@ -92,7 +92,7 @@ class Stretch:
     @cached_property
     def vertical_travel(self) -> float:
         """Way down and up, m."""
-        return float(np.abs(np.diff(self["z"])).sum())
+        return float(np.abs(changes(self["z"])).sum())
 
     def gain(self, name: str) -> float:
         """Return by how much an account grew that begins with zero before the run does."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import platform
 import re
 from collections.abc import Mapping, Sequence
@@ -178,7 +179,8 @@ class Run:
         parts = [self.values["kinetic_energy"], self.values["water_work"], released]
         if self.model == "spatial":
             parts.append(self.values["bed_work"])
-        return float(np.max([np.abs(part).max() for part in parts]))
+        largest = [float(np.abs(part).max()) for part in parts]
+        return math.nan if any(map(math.isnan, largest)) else max(largest)
 
     @property
     def largest_residual(self) -> float:

@@ -127,8 +127,8 @@ def _second_pass(assembly: Assembly, times: Array, states: Array) -> tuple[dict[
     """Return every variable over time, and every one over time and cell, from the saved states."""
     solver, parts = assembly.design.mission.solver, len(assembly.cells)
     names, second = STATES[solver.model], spatial if solver.model == "spatial" else planar
-    columns = np.zeros((len(times), len(second.COLUMNS)))
-    commands, volumes = (np.zeros((len(times), parts)) for _ in range(2))
+    columns = np.empty((len(times), len(second.COLUMNS)))
+    commands, volumes = (np.empty((len(times), parts)) for _ in range(2))
     if solver.model == "spatial":
         spatial.spatial_outputs(times, states, assembly.params, columns, commands, volumes)
     else:

@@ -7,21 +7,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from models.components import Component, MovableMass, Rigid, RollingMass
 from models.design import Vehicle
 from models.mass_properties import Masses, point_numbers
 from models.memory import remembered
-from models.volumes import volume
 
 
 class StillParts(NamedTuple):
     """First moments of mass, inertia about the origin, volume and its first moments of all that does not move.
 
     `own_pitch` is the inertia in pitch of every component about its own centre of mass, also of those that move;
-    `pitch` adds to that what the distances of the others from the origin do. `emerging` is the depth of a centre above
-    which some component begins to emerge (m), cells included.
+    `pitch` adds to that what the distances of the others from the origin do.
     """
 
     mass_x: float
@@ -38,7 +36,6 @@ class StillParts(NamedTuple):
     own_pitch: float
     volume: float
     pitch: float
-    emerging: float
 
 
 def still_masses(vehicle: Vehicle, weighs: Masses) -> Sequence[float]:
@@ -49,9 +46,9 @@ def still_masses(vehicle: Vehicle, weighs: Masses) -> Sequence[float]:
 @remembered(most=16)
 def still_parts(vehicle: Vehicle) -> StillParts:
     """Return the sums over a vehicle's components."""
-    *columns, volumes, about, emerging = zip(*map(_share_of, vehicle.components), strict=True)
+    *columns, volumes, about = zip(*map(_share_of, vehicle.components), strict=True)
     sums = [sum(column) for column in columns]
-    return StillParts._make((*sums, math.fsum(volumes), sum(about, sums[-1]), max(emerging)))
+    return StillParts._make((*sums, math.fsum(volumes), sum(about, sums[-1])))
 
 
 @remembered(most=2_000)
@@ -59,26 +56,12 @@ def _share_of(component: Component) -> tuple[float, ...]:
     """Return what a component adds; instead of `pitch`, what its distance from the origin does."""
     i = component.inertia
     if isinstance(component, MovableMass | RollingMass):
-        return *[0.0] * 11, i.yy, 0.0, 0.0, 0.0
+        return *[0.0] * 11, i.yy, 0.0, 0.0
     (x, y, z), mass = component.center_of_mass or component.position, component.mass
     xx, xy, xz, _, yy, yz, _, _, zz = (mass * entry for entry in point_numbers(x, y, z))
     displaced, (bx, _, bz) = component.volume if isinstance(component, Rigid) else 0.0, component.position
     return (
         mass * x, mass * y, mass * z,
         i.xx + xx, i.yy + yy, i.zz + zz, i.xy + xy, i.xz + xz, i.yz + yz,
-        displaced * bx, displaced * bz, i.yy,
-        displaced, mass * (x * x + z * z), 0.5 * fading_height(component),
+        displaced * bx, displaced * bz, i.yy, displaced, mass * (x * x + z * z),
     )  # fmt: skip
-
-
-def fading_height(component: Any) -> float:
-    """Return the vertical extent over which a component's buoyancy fades, m: its own, or that of a sphere.
-
-    The sphere has the component's volume at neutral extension, or, where it displaces nothing then, at its larger stop.
-    """
-    if component.height is not None:
-        return float(component.height)
-    displaced = volume(component, 0.0 if isinstance(component, Rigid) else component.neutral)
-    if displaced <= 0.0 and not isinstance(component, Rigid):
-        displaced = max(volume(component, stop) for stop in component.stroke)
-    return float((6.0 * displaced / math.pi) ** (1.0 / 3.0))

@@ -1,4 +1,4 @@
-"""Owns what numbers and lanes (lane_types.py) do alike without a branch: choose, ask whether any is so, convert."""
+"""Owns what numbers and lanes (lane_types.py) do alike: choose without a branch, ask whether any is so, round alike."""
 
 from __future__ import annotations
 
@@ -26,6 +26,11 @@ def whole(x):
 def real(n):
     """Return an integer as a float."""
     return float(n)
+
+
+def fused(a, b, c):
+    """Return a b + c, which lanes round as numbers do: once, where the processor can."""
+    return a * b + c
 
 
 def define(function, arguments, kinds, emit, common):
@@ -80,3 +85,11 @@ define_select(lambda condition: condition == types.boolean, _number)
 define(any_of, 1, {types.boolean: types.boolean}, lambda builder, kind, a: a, _truth)
 define(whole, 1, {types.float64: types.int64}, lambda builder, kind, a: builder.fptosi(a, ir.IntType(64)), _number)
 define(real, 1, {types.int64: types.float64}, lambda builder, kind, a: builder.sitofp(a, ir.DoubleType()), _number)
+
+
+def emit_fused(builder, kind, a, b, c):
+    """Write a b + c for the compiler to contract, as jit.py allows it to everywhere in code for numbers."""
+    return builder.fadd(builder.fmul(a, b, flags=("contract",)), c, flags=("contract",))
+
+
+define(fused, 3, {types.float64: types.float64}, emit_fused, _number)

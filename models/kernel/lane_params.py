@@ -82,6 +82,8 @@ class LaneWork(NamedTuple):
 
     k: object
     y1: object
+    dense: object
+    held: object
     drive: object
     at_stop: object
     armed: object
@@ -95,6 +97,8 @@ class Hold(NamedTuple):
     y: NDArray[np.float64]  # (n, WIDTH)
     k: NDArray[np.float64]  # (7 n, WIDTH)
     y1: NDArray[np.float64]  # (n, WIDTH)
+    dense: NDArray[np.float64]  # (4 n, WIDTH)
+    held: NDArray[np.float64]  # (n, WIDTH)
     drive: NDArray[np.float64]  # (5 (parts + 1), WIDTH)
     flags: NDArray[np.float64]  # (parts + 2, WIDTH) at_stop, then armed
     clock: NDArray[np.float64]  # (CLOCKS, WIDTH)
@@ -105,13 +109,13 @@ class Hold(NamedTuple):
 
 (
     TIME, BEGAN, TAKEN, STEP, SEGMENT_END, NEXT_SAMPLE, MOST_TAKEN, LAST_ERROR,
-    FROM, SIZE, REACHED, ERROR, BLAMED, NEEDS,
-) = range(14)  # fmt: skip
-CLOCKS = 14
+    FROM, SIZE, REACHED, ERROR, BLAMED, NEEDS, SAMPLED,
+) = range(15)  # fmt: skip
+CLOCKS = 15
 """Rows of `Hold.clock`. Of a lane: the time; when its segment began, the steps accepted since then, and how long the
 next is to be; when the segment ends; when the next sample is due; after how many accepted steps of this segment the
 limit of all steps is reached; the last error. Of the step just taken: its begin, length and end, its error and the
-state that is to blame for that, and 1 where something falls into it."""
+state that is to blame for that, 1 where something falls into it, and 1 where nothing but samples does."""
 
 
 def make_hold(words: int, states: int, parts: int) -> Hold:
@@ -127,6 +131,7 @@ def make_hold(words: int, states: int, parts: int) -> Hold:
     return Hold(
         words=np.zeros((words, *lanes)), spans=np.zeros((len(TABLES), 2, *lanes), dtype=np.int32),
         y=np.zeros((states, *lanes)), k=np.zeros((7 * states, *lanes)), y1=np.zeros((states, *lanes)),
+        dense=np.zeros((4 * states, *lanes)), held=np.zeros((states, *lanes)),
         drive=np.zeros((5 * (parts + 1), *lanes)), flags=np.zeros((parts + 2, *lanes)),
         clock=np.zeros((CLOCKS, *lanes)), case=np.full(lanes, -1), work=work, state=np.zeros((WIDTH, states)),
     )  # fmt: skip
@@ -214,8 +219,8 @@ def work_of_lanes(hold):
     """Return what the steps of all lanes write into."""
     n, parts = hold.y.shape[0], hold.flags.shape[0] - 2
     return LaneWork(
-        woven(hold.k, 0, (7, n)), woven(hold.y1, 0, (n,)), woven(hold.drive, 0, (parts + 1, 5)),
-        woven(hold.flags, 0, (parts,)), woven(hold.flags, parts, (2,)),
+        woven(hold.k, 0, (7, n)), woven(hold.y1, 0, (n,)), woven(hold.dense, 0, (4, n)), woven(hold.held, 0, (n,)),
+        woven(hold.drive, 0, (parts + 1, 5)), woven(hold.flags, 0, (parts,)), woven(hold.flags, parts, (2,)),
     )  # fmt: skip
 
 

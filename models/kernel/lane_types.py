@@ -16,7 +16,7 @@ from numba.core.typeconv.castgraph import Conversion
 from numba.extending import lower_cast, models, register_model
 
 from models.kernel import choice
-from models.kernel.choice import any_of, define_select, real, whole
+from models.kernel.choice import any_of, define_select, emit_fused, fused, real, whole
 
 WIDTH = 8
 """Designs integrated side by side: two registers of four doubles, so that one waits while the other computes."""
@@ -170,6 +170,7 @@ define(math.floor, 1, {LANES: WHOLES}, lambda builder, kind, a: builder.fptosi(
 ))  # fmt: skip
 define(whole, 1, {LANES: WHOLES}, lambda builder, kind, a: builder.fptosi(a, ir.VectorType(WHOLE, WIDTH)))
 define(real, 1, {WHOLES: LANES}, lambda builder, kind, a: builder.sitofp(a, ir.VectorType(REAL, WIDTH)))
+define(fused, 3, {LANES: LANES}, emit_fused)
 define(operator.neg, 1, {LANES: LANES}, lambda builder, kind, a: builder.fneg(a))
 
 

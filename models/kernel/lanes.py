@@ -1,8 +1,9 @@
 """Owns the loop that flies many designs side by side, each with its own time, step, segments and samples.
 
-A step advances all lanes by vector instructions. Where something falls into a lane's step (a sample, an event, a stop,
-a corner of its schedule, the end) that lane is seen to as a single run is (integrate.py), by the same functions. What a
-lane computes depends on its design alone: never on its place, nor on who flies beside it.
+A step advances all lanes by vector instructions, and so is the polynomial made by which they are sampled. Where
+something else falls into a lane's step (an event, a stop, a corner of its schedule, the end) that lane is seen to as a
+single run is (integrate.py), by the same functions. What a lane computes depends on its design alone: never on its
+place, nor on who flies beside it.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ from models.kernel.integrate import (
     enter_segment,
     finish,
     reaches,
+    show_controls,
 )
 from models.kernel.jit import compiled, internal
 from models.kernel.lane_arrays import woven
@@ -48,6 +50,7 @@ from models.kernel.lane_params import (
     NEEDS,
     NEXT_SAMPLE,
     REACHED,
+    SAMPLED,
     SEGMENT_END,
     SIZE,
     STEP,
@@ -62,7 +65,7 @@ from models.kernel.lane_params import (
 )
 from models.kernel.lane_types import WIDTH
 from models.kernel.model import settle
-from models.kernel.step import next_factor, pair_step, rk4_step
+from models.kernel.step import interpolate, make_dense, next_factor, pair_step, rk4_step
 
 DURATION, FIXED_STEP, INTERVAL = range(3)
 
@@ -104,9 +107,14 @@ def note_lane(lane, hold, cases, work, record):
         hold.flags[i, lane] = work.at_stop[i]
     for i in range(2):
         hold.flags[parts + i, lane] = work.armed[i]
+    clock[NEXT_SAMPLE, lane] = next_sample(case, cases, record)
+
+
+@internal
+def next_sample(case, cases, record):
+    """Return when the next sample of a design is due, infinity after the last."""
     row = record.counts[SAMPLES]
-    due = row * cases.numbers[case, INTERVAL] if row < record.times.shape[0] else math.inf
-    clock[NEXT_SAMPLE, lane] = due
+    return row * cases.numbers[case, INTERVAL] if row < record.times.shape[0] else math.inf
 
 
 @internal
@@ -252,7 +260,7 @@ def choose_step(lane, hold, cases):
 
 @internal
 def step_all(pair, p, work, y, clock):
-    """Take one step in every lane; return whether any is to be seen to, which `clock` says of each."""
+    """Take one step in every lane; return whether any is to be seen to, and any to be sampled: `clock` says which."""
     t, end, h = clock[TIME], clock[SEGMENT_END], clock[STEP]
     ends = reaches(t, h, end)
     size = select(ends, end - t, h)
@@ -269,13 +277,43 @@ def step_all(pair, p, work, y, clock):
     reached = select(ends, end, reached)
     taken = clock[TAKEN] + 1.0
     needs = ends | (taken >= clock[MOST_TAKEN]) | event_due(y, work.y1, p, work) | stop_is_new(work.y1, p, work)
-    needs |= clock[NEXT_SAMPLE] < reached - SAME_TIME * max(1.0, reached)
     needs |= select(all_finite(work.y1), 0.0, 1.0) > 0.0
     needs &= good & (h > 0.0)
+    due = (clock[NEXT_SAMPLE] < reached - SAME_TIME * max(1.0, reached)) & good & (h > 0.0)
     clock[REACHED], clock[TAKEN] = reached, select(good, taken, clock[TAKEN])
     work.armed[0], work.armed[1] = select(good, work.armed[0], surface), select(good, work.armed[1], bed)
     clock[NEEDS] = select(needs, 1.0, 0.0)
-    return any_of(needs)
+    clock[SAMPLED] = select(needs, 0.0, select(due, 1.0, 0.0))
+    return any_of(needs), any_of(clock[SAMPLED] > 0.0)
+
+
+@internal
+def sample_all(pair, work, y, clock, hold, cases):
+    """Record the samples of the step in every lane into which nothing else falls: one of each lane at a time."""
+    make_dense(pair, clock[SIZE], y, work)
+    more = True
+    while more:
+        interpolate((clock[NEXT_SAMPLE] - clock[FROM]) / clock[SIZE], y, work.dense, work.held)
+        more = False
+        for lane in range(WIDTH):
+            if hold.clock[SAMPLED, lane] > 0.0:
+                more |= sample_lane(lane, hold, cases)
+
+
+@internal
+def sample_lane(lane, hold, cases):
+    """Record what was interpolated for a lane; return whether another sample falls into its step."""
+    case, clock = hold.case[lane], hold.clock
+    record, until = record_of(case, cases), clock[REACHED, lane]
+    row = record.counts[SAMPLES]
+    record.times[row] = clock[NEXT_SAMPLE, lane]
+    unweave(hold.held, lane, record.states[row])
+    show_controls(row, work_of(lane, hold.work), record)
+    record.counts[SAMPLES] = row + 1
+    clock[NEXT_SAMPLE, lane] = next_sample(case, cases, record)
+    again = clock[NEXT_SAMPLE, lane] < until - SAME_TIME * max(1.0, until)
+    clock[SAMPLED, lane] = 1.0 if again else 0.0
+    return again
 
 
 @internal
@@ -330,7 +368,9 @@ def advance(pair, hold, cases):
     y, clock = woven(hold.y, 0, (hold.y.shape[0],)), woven(hold.clock, 0, (hold.clock.shape[0],))
     ended = 0
     while ended == 0:
-        seen_to = step_all(pair, p, work, y, clock)
+        seen_to, sampled = step_all(pair, p, work, y, clock)
+        if sampled:
+            sample_all(pair, work, y, clock, hold, cases)
         if seen_to:
             for lane in range(WIDTH):
                 if hold.clock[NEEDS, lane] > 0.0:

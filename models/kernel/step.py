@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from models.kernel import tableau
-from models.kernel.choice import select
+from models.kernel.choice import fused, select
 from models.kernel.jit import compiled, inlined, internal
 from models.kernel.model import derivative
 
@@ -65,29 +65,32 @@ def pair_step(t, h, y, p, work):
 
 @compiled
 def make_dense(pair, h, y, work):
-    """Set `work.dense` to the polynomial of the step just taken: the pair's own, or the cubic through RK4's ends."""
+    """Set `work.dense` to the polynomial of the step just taken: the pair's own, or the cubic through RK4's ends.
+
+    Rounded alike for one run and for lanes: which of them a sample is taken by depends on what else is in its step.
+    """
     k, y1, dense = work.k, work.y1, work.dense
     for j in range(y.shape[0]):
         if pair:
             for r in range(4):
-                total = 0.0
-                for m in range(7):
-                    total += D[m, r] * k[m, j]
+                total = fused(D[0, r], k[0, j], 0.0)
+                for m in range(2, 7):  # the slope k[1] has no share
+                    total = fused(D[m, r], k[m, j], total)
                 dense[r, j] = h * total
         else:
             rise = y1[j] - y[j]
             start = h * k[0, j]
             finish = h * k[4, j]
             dense[0, j] = start
-            dense[1, j] = 3.0 * rise - 2.0 * start - finish
-            dense[2, j] = start + finish - 2.0 * rise
+            dense[1, j] = fused(3.0, rise, -2.0 * start) - finish
+            dense[2, j] = fused(-2.0, rise, start + finish)
             dense[3, j] = 0.0
 
 
 @internal
 def interpolate_one(s, y, dense, j):
     """Return state j at the fraction s of the step."""
-    return y[j] + s * (dense[0, j] + s * (dense[1, j] + s * (dense[2, j] + s * dense[3, j])))
+    return fused(s, fused(s, fused(s, fused(s, dense[3, j], dense[2, j]), dense[1, j]), dense[0, j]), y[j])
 
 
 @compiled
