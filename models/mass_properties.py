@@ -58,6 +58,7 @@ class Masses(NamedTuple):
     inertia: tuple[Numbers3, Numbers3, Numbers3]
 
     @property
+    @remembered(most=100)  # declared ones are those of all cases
     def moments(self) -> tuple[float, ...]:
         """First moment about the body origin (kg m), then the inertia xx, yy, zz, xy, xz, yz about it (kg m2)."""
         mass, (x, y, z), rows = self.mass, self.center, self.inertia
