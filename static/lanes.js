@@ -12,7 +12,9 @@ import { commandAt } from "./schedulecopy.js";
 import { Selection } from "./selection.js";
 import { Snap } from "./snap.js";
 
-const HEIGHTS = [[2, 34], [Infinity, 22]]; // up to how many lanes, how high each is
+const HEIGHTS = [[2, 34], [3, 22], [Infinity, 20]]; // up to how many lanes, how high each is
+const MANY = 4; // lanes: from here on the timeline is taller
+const NAMES = { least: 206, most: 290, spare: 6 }; // px of the column of names
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const FAST = 10;
 const KEYS = [
@@ -96,10 +98,22 @@ export class LaneSet {
       if (there !== lane.root) $("lanes").insertBefore(lane.root, there ?? null);
     });
     $("no-cells").hidden = state.schedules.length > 0;
+    $("timeline").dataset.lanes = names.size >= MANY ? "many" : "few";
+    this.fitNames([...names].join("\n"));
     if (!this.lanes.has(this.active?.schedule.cell)) this.active = null;
     this.selection.prune((cell) => this.lanes.get(cell)?.schedule.points.length ?? 0);
     this.chooseAwaited(state.revision);
     this.showChosen();
+  }
+
+  // The column is as wide as the longest name asks for, up to a limit; measured only when there are others.
+  fitNames(names) {
+    if (names === this.named) return;
+    this.named = names;
+    const { least, most, spare } = NAMES;
+    $("timeline").style.removeProperty("--names");
+    const lacking = Math.max(0, ...this.list.map(({ name }) => name.lastChild.scrollWidth - name.lastChild.clientWidth));
+    if (lacking > 0) $("timeline").style.setProperty("--names", `${Math.min(least + lacking + spare, most)}px`);
   }
 
   showChosen() {

@@ -7,6 +7,7 @@ import json
 import pytest
 from playwright.sync_api import expect
 
+from models.presets import load_preset
 from tests.browser.timeline_page import Timeline
 
 pytestmark = pytest.mark.browser
@@ -70,3 +71,43 @@ def test_every_axis_says_its_unit(program, bare):
                 [row, axis],
             )
             assert [text.endswith(symbol) for text in ticks].count(True) == 1, ticks
+
+
+READABLE = 70.0
+"""Pixels: the least height of a plot, at which an axis, its unit and the legend are read."""
+
+
+def test_plots_of_four_lanes_are_readable_on_a_laptop_and_names_are_whole(program, bare):
+    bare.set_viewport_size({"width": 1280, "height": 720})
+    Timeline.open_preset(bare, program.url, "quad-bellows-spiral")
+    plots = bare.locator("[data-testid^=plot-row-]")
+    for shown in (bare.get_by_test_id("lane-Rear starboard cell"), *plots.all()):
+        expect(shown).to_be_in_viewport(ratio=1.0)
+    assert plots.count() == 2
+    for plot in plots.all():
+        box = plot.bounding_box()
+        assert box is not None and box["height"] >= READABLE
+    legend = plots.last.locator(".legend-rows")
+    assert legend.evaluate("rows => rows.scrollHeight - rows.clientHeight") == 0
+    cut = "names => names.filter(name => name.scrollWidth > name.clientWidth).length"
+    assert bare.locator(".lane-name span").evaluate_all(cut) == 0
+
+
+def test_many_lanes_scroll_and_leave_the_plots_their_height(program, bare):
+    document = load_preset("quad-bellows-spiral").model_dump(mode="json")
+    components, schedules = document["vehicle"]["components"], document["mission"]["control"]["schedules"]
+    for schedule in list(schedules):
+        twin = next(part for part in components if part["name"] == schedule["cell"])
+        name = f"{twin['name']} of the second row behind"
+        components.append(twin | {"name": name})
+        schedules.append(schedule | {"cell": name})
+    bare.set_viewport_size({"width": 1280, "height": 720})
+    Timeline.open_document(bare, program.url, document)
+    lanes = bare.locator("#lanes")
+    assert lanes.evaluate("node => node.scrollHeight > node.clientHeight")
+    box = bare.get_by_test_id("plot-row-0").bounding_box()
+    assert box is not None and box["height"] >= READABLE
+    expect(bare.get_by_test_id("plot-row-0")).to_be_in_viewport(ratio=1.0)
+    expect(bare.locator("#time-axis")).to_be_in_viewport(ratio=1.0)
+    labels = bare.locator(".lane-row .label")
+    assert max(box["width"] for node in labels.all() if (box := node.bounding_box())) <= 290.0
