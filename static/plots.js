@@ -9,7 +9,7 @@ import { timeTicks } from "./timescale.js";
 
 const TOP = 5;
 const BOTTOM = 4;
-const KEPT_WIDTH = 1.3;
+export const KEPT_WIDTH = 1.3;
 const OUTSIDE = 0.17; // how strong the hatch is: seen, and no hindrance to reading
 
 const paint = (color) => (color.startsWith("--") ? cssColor(color) : color);
@@ -175,17 +175,16 @@ export class TimePlot {
     return [...new Map(this.series.flatMap(({ kept }) => kept).map(({ name, color }) => [name, color]))];
   }
 
-  // Their names in their colours, under the lines.
+  // Their names in their colours, under the lines. A patch and no line: dashes are the outputs'.
   nameKept(context) {
     let x = this.scale.left + 8;
     context.textAlign = "left";
     context.textBaseline = "middle";
     for (const [name, color] of this.keptRuns) {
-      context.strokeStyle = context.fillStyle = paint(color);
-      context.lineWidth = KEPT_WIDTH;
-      line(context, x, TOP + 8, x + 14, TOP + 8);
-      context.fillText(name, x + 18, TOP + 8);
-      x += 30 + context.measureText(name).width;
+      context.fillStyle = paint(color);
+      context.fillRect(x, TOP + 4, 8, 8);
+      context.fillText(name, x + 12, TOP + 8);
+      x += 24 + context.measureText(name).width;
     }
   }
 

@@ -18,7 +18,7 @@ const KNOWN = {
 };
 
 const COLORS = ["--series-1", "--series-2", "--series-3", "--series-4", "--series-5", "--series-6"];
-const DASHES = [[], [7, 4], [2, 3], [10, 3, 2, 3]];
+const DASHES = [[], [7, 4], [2, 3], [10, 3, 2, 3], [14, 5], [7, 3, 2, 3, 2, 3], [4, 2], [1, 5]]; // as many as a plot has outputs
 const SHORT = {
   x: "North", y: "East", beta: "Sideslip", psi: "Yaw", q: "Pitch rate", p: "Roll rate", r: "Yaw rate", u: "Surge", v: "Sway", w: "Heave",
   net_buoyancy: "Net buoyancy", travelled: "Over ground", turn_rate: "Turn rate", turn_radius: "Turn radius",
@@ -40,4 +40,16 @@ export function seriesOf(name, unit, { place, cellColors }) {
   const color = cellColors.get(cell);
   const look = { ...own, ...(color && { color, dash: DASHES[place % DASHES.length] }), ...KNOWN[name] };
   return { ...look, name, unit, axis: axisOf(name, unit), read: look.wraps ? angleAt : at };
+}
+
+// Where runs lie over each other the colour says which run, the present one too, and the dash which output: the one it
+// has anyway unless another has it already.
+export function runsByColor(series) {
+  if (!series.some(({ kept }) => kept.length)) return series;
+  const taken = new Set();
+  return series.map((each) => {
+    const dash = [each.dash, ...DASHES].find((one) => !taken.has(String(one))) ?? each.dash;
+    taken.add(String(dash));
+    return { ...each, dash, color: "--present" };
+  });
 }

@@ -8,7 +8,7 @@ import { PlotData } from "./plotdata.js";
 import { focusByKeysOnly } from "./plotcursor.js";
 import { openPicker } from "./plotpicker.js";
 import { TimePlot } from "./plots.js";
-import { seriesOf } from "./plotseries.js";
+import { runsByColor, seriesOf } from "./plotseries.js";
 import { drawTimeAxis } from "./timeaxis.js";
 
 class PlotRow {
@@ -103,7 +103,7 @@ export class PlotSet {
     const cellColors = new Map((this.state?.components ?? []).map(({ name, color }) => [name, color]));
     this.choices.forEach(({ outputs, ranges }, place) => {
       const { plot, legend } = this.rows[place];
-      plot.show(outputs.flatMap((name, k) => this.seriesFor(name, k, cellColors)), { ranges, run: this.state?.run ?? null });
+      plot.show(runsByColor(outputs.flatMap((name, k) => this.seriesFor(name, k, cellColors))), { ranges, run: this.state?.run ?? null });
       this.rows[place].name(place, plot.title);
       legend.show(plot);
     });

@@ -111,3 +111,29 @@ def test_many_lanes_scroll_and_leave_the_plots_their_height(program, bare):
     expect(bare.locator("#time-axis")).to_be_in_viewport(ratio=1.0)
     labels = bare.locator(".lane-row .label")
     assert max(box["width"] for node in labels.all() if (box := node.bounding_box())) <= 290.0
+
+
+KEPT_LOOKS = """() => window.__studio.timeline.plots.rows[0].plot.series.map(
+  ({ dash, color, kept }) => [String(dash), color, ...kept.map((run) => run.color)])"""
+
+
+def test_a_kept_run_is_told_by_its_colour_and_an_output_by_its_dash(program, bare):
+    timeline = Timeline.open_document(bare, program.url, load_preset("canete-dual-bellows").model_dump(mode="json"))
+    outputs = ["speed", "u", "w"]
+    ranges = {"left": None, "right": None}
+    bare.evaluate("plots => window.__studio.timeline.plots.choose(plots)", [{"outputs": outputs, "ranges": ranges}])
+    for name in ("One", "Two"):
+        bare.evaluate("name => import('../../static/keptruns.js').then(kept => kept.keepRun(name))", name)
+    bare.wait_for_function(f"() => ({KEPT_LOOKS})().every((look) => look.length === 4)")
+    looks = bare.evaluate(KEPT_LOOKS)
+    assert len({dash for dash, *_ in looks}) == len(outputs), "each output has a dash of its own"
+    (colors,) = {tuple(colors) for _, *colors in looks}
+    assert len(set(colors)) == 3, "each run has a colour of its own, in all outputs"
+    legend = bare.get_by_test_id("plot-row-0")
+    expect(legend.locator(".key line")).to_have_count(9)  # of each run, with each dash
+    dashes = legend.locator(".key line").evaluate_all(
+        "lines => lines.map(line => line.getAttribute('stroke-dasharray'))"
+    )
+    assert [dash.replace(" ", ",") for dash in dashes] == [dash for dash, *_ in looks for _ in range(3)]
+    expect(legend.get_by_role("group", name="Kept runs laid under")).to_have_text("OneTwo")
+    assert timeline.state("s.kept.length") == 2

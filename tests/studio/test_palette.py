@@ -86,7 +86,7 @@ TOGETHER = {
     "centres": (palette.CENTER_OF_MASS, palette.CENTER_OF_BUOYANCY),
     "kept runs and the present path": (*palette.KEPT, palette.PATH),
     "lines on paper": palette.PLOT_COLORS,
-    "kept runs, light": page_colors("light", "kept"),
+    "kept runs and the present one, light": (*page_colors("light", "kept"), LIGHT["present"]),
     "lines of a plot, dark": page_colors("dark", "series"),
     "lines of a plot, light": page_colors("light", "series"),
 }
@@ -132,3 +132,4 @@ def test_the_page_draws_forces_in_the_colours_of_the_scene():
 
 def test_the_page_names_kept_runs_in_the_colours_of_the_scene():
     assert tuple(page_colors("dark", "kept")) == palette.KEPT
+    assert DARK["present"] == palette.PATH
