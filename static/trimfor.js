@@ -47,20 +47,26 @@ export function connectTrimFor({ store, clock, actions }) {
     return [el("button", { class: "btn small", type: "button", title: `Holds the cells so from ${place}; can be undone`, "data-testid": "trim-for-apply", onclick: apply }, `Apply to ${place}`)];
   }
 
+  // The answer may be longer than what is left of the column below its question.
+  function show(...nodes) {
+    answer.replaceChildren(...nodes);
+    answer.scrollIntoView({ block: "nearest" });
+  }
+
   async function ask() {
     const components = store.get("state")?.components ?? [];
     const angle = Number(field.value.trim().replace("\u2212", "-").replace(",", "."));
     const good = field.value.trim() !== "" && Number.isFinite(angle) && Math.abs(angle) <= STEEPEST;
     field.setAttribute("aria-invalid", String(!good));
     if (!good) {
-      answer.replaceChildren(el("p", { class: "box bad" }, `A glide angle is a number from \u2212${STEEPEST} to ${STEEPEST} degrees; climbs are positive.`));
+      show(el("p", { class: "box bad" }, `A glide angle is a number from \u2212${STEEPEST} to ${STEEPEST} degrees; climbs are positive.`));
       return;
     }
     try {
       const { trims, failure } = await call("POST", "trim-for", { targets: { glide_angle: (angle * Math.PI) / 180 } });
-      answer.replaceChildren(...(failure ? failed(failure, components) : [...found(trims[0], components), ...applyButton(trims[0])]));
+      show(...(failure ? failed(failure, components) : [...found(trims[0], components), ...applyButton(trims[0])]));
     } catch (error) {
-      answer.replaceChildren(el("div", { class: "box bad" }, ...problemNodes(error.problem ?? { title: error.message })));
+      show(el("div", { class: "box bad" }, ...problemNodes(error.problem ?? { title: error.message })));
     }
   }
 

@@ -122,6 +122,7 @@ def test_a_warning_leads_to_its_field_and_its_time(panel):
 
 def test_a_glider_without_a_trim_says_why(panel):
     page = panel.page
+    page.set_viewport_size({"width": 1280, "height": 600})
     settled(panel)
     panel.edit(
         {"op": "replace", "path": "/mission/control/schedules", "value": []},
@@ -133,6 +134,7 @@ def test_a_glider_without_a_trim_says_why(panel):
     page.get_by_test_id("trim-for-angle").fill("-30")
     page.get_by_test_id("trim-for-find").click()
     expect(page.get_by_test_id("trim-for-found")).to_contain_text("\u221230.0°")
+    expect(page.get_by_test_id("trim-for-answer")).to_be_in_viewport(ratio=0.99)  # scrolled to
     page.get_by_test_id("trim-for-apply").click()
     settled(panel)
     panel.wait_until(lambda: abs(panel.readout("trim-glide-angle") + math.radians(30.0)) < 1e-4)
