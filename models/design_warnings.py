@@ -17,6 +17,7 @@ from models.hydrodynamics import PolarTable
 from models.hydrodynamics_coefficients import CoefficientForm
 from models.mass_properties import MassBalance, inertia_matrix, mass_balance, smallest_moment
 from models.problems import Problem, pointer_to
+from models.stray_parts import stray_parts
 from models.water import gravity_of, surface_density, unstable_layers
 
 
@@ -24,6 +25,7 @@ def warnings_for(design: Design) -> Iterator[Problem]:
     """Yield everything about a design that its maker should know before it runs."""
     balance = mass_balance(design.vehicle)
     yield from _floating(design, balance)
+    yield from _far_off(design, balance)
     yield from _masses(design, balance)
     yield from _inertias(design, balance)
     yield from _water(design)
@@ -50,6 +52,18 @@ def _floating(design: Design, balance: MassBalance) -> Iterator[Problem]:
             "/vehicle/components",
             f"the centre of mass lies {-below:.3g} mm above the centre of buoyancy: it turns over",
             limit=0.0, hint="put weight lower or volume higher",
+        )  # fmt: skip
+
+
+def _far_off(design: Design, balance: MassBalance) -> Iterator[Problem]:
+    """Yield a warning of positions far off the vehicle; `limit` is its length without the parts that are there."""
+    for stray in stray_parts(design.vehicle, balance.volume):
+        name, length = design.vehicle.components[stray.component].name, stray.vehicle_length
+        yield Problem(
+            pointer_to("vehicle", "components", stray.component, "position", stray.axis),
+            f"'{name}' is far off the vehicle: its position {'xyz'[stray.axis]} is {stray.position:.6g} m, and without "
+            f"it the vehicle is {length:.3g} m long",
+            limit=length, hint="check the number and its unit",
         )  # fmt: skip
 
 

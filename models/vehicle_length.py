@@ -6,6 +6,7 @@ Points are those of the shapes that components carry, cells at neutral; without 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from models.components import Component
 from models.design import Vehicle
@@ -19,14 +20,19 @@ UNIT_LENGTH = 1.0
 
 def vehicle_length(vehicle: Vehicle) -> float:
     """Return the length along body x, m; 1 m where neither shapes nor positions have any."""
-    ends = [_span(component, shape) for component in vehicle.components for shape in getattr(component, "shapes", ())]
-    if not ends:
-        ends = [(component.position[0], component.position[0]) for component in vehicle.components]
-    length = max(high for _, high in ends) - min(low for low, _ in ends)
+    length = extent_along_x(vehicle.components)
     return length if length > SHORTEST else UNIT_LENGTH
 
 
-def _span(component: Component, shape: Shape) -> tuple[float, float]:
+def extent_along_x(components: Sequence[Component]) -> float:
+    """Return how far components reach along body x together, m: their shapes, or positions where none has a shape."""
+    ends = [span_along_x(component, shape) for component in components for shape in getattr(component, "shapes", ())]
+    if not ends:
+        ends = [(component.position[0], component.position[0]) for component in components]
+    return max(high for _, high in ends) - min(low for low, _ in ends)
+
+
+def span_along_x(component: Component, shape: Shape) -> tuple[float, float]:
     """Return where a shape of a component begins and ends along body x, m."""
     middle = component.position[0] + shape.offset[0]
     match shape:

@@ -12,6 +12,7 @@ from models.kernel.actuators import balance_with_parts
 from models.mass_properties import mass_balance, point_inertia, trim_ballast
 from models.presets import load_preset, preset_ids
 from models.problems import DesignError
+from models.vehicle_length import vehicle_length
 from models.volumes import volume
 from models.water import density_at, gravity_of
 from tests.models.support import BODY, PISTON, document
@@ -192,3 +193,37 @@ def test_a_heavy_or_top_heavy_glider_is_warned_of_with_numbers():
     top = parse_design(document(body=BODY | {"center_of_mass": [-0.15 * 0.05 / 0.95, 0.0, -0.01]}))
     assert any("9.5 mm above the centre of buoyancy" in str(warning) for warning in warnings_for(top))
     assert [str(warning) for warning in warnings_for(parse_design(document()))] == []
+
+
+def far_off(design: Design) -> dict[str, str]:
+    return {w.pointer: w.message for w in warnings_for(design) if "far off" in w.message}
+
+
+def moved(preset: str, *places: tuple[int, int, float]) -> Design:
+    changed = load_preset(preset).model_dump(mode="json")
+    for component, axis, place in places:
+        changed["vehicle"]["components"][component]["position"][axis] = place
+    return parse_design(changed)
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("component", range(3))
+def test_a_part_kilometres_off_the_hull_is_warned_of_with_the_length(component, axis):
+    told = far_off(moved("canete-dual-bellows", (component, axis, -5000.0)))
+    assert told.keys() == {f"/vehicle/components/{component}/position/{axis}"}
+    (message,) = told.values()
+    part = load_preset("canete-dual-bellows").vehicle.components[component]
+    length = vehicle_length(load_preset("canete-dual-bellows").vehicle)
+    assert message.startswith(f"'{part.name}' is far off the vehicle: its position {'xyz'[axis]} is -5000 m")
+    assert float(message.split("the vehicle is ")[1].split()[0]) <= length * 1.01
+
+
+def test_a_pair_far_off_is_warned_of_twice_and_a_part_without_neighbours_not_at_all():
+    told = far_off(moved("quad-bellows-spiral", (4, 1, -2000.0), (5, 1, 2000.0)))
+    assert told.keys() == {f"/vehicle/components/{i}/position/1" for i in (4, 5)}
+    assert all(message.endswith("without it the vehicle is 2 m long") for message in told.values())
+    assert far_off(moved("quad-bellows-spiral", (4, 0, 4.0))) == {}  # odd, not absurd
+    alone = document(BODY | {"name": "Keel", "position": [0.0, 0.0, 0.3]}, body=BODY | {"position": [900.0, 0.0, 0.0]})
+    alone["mission"]["control"] = {}
+    (pointer,) = far_off(parse_design(alone))
+    assert pointer in {f"/vehicle/components/{i}/position/0" for i in range(2)}
