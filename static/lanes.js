@@ -99,7 +99,7 @@ export class LaneSet {
     });
     $("no-cells").hidden = state.schedules.length > 0;
     $("timeline").dataset.lanes = names.size >= MANY ? "many" : "few";
-    this.fitNames([...names].join("\n"));
+    this.fitNames(this.list.map((lane) => `${lane.schedule.cell} ${lane.locked}`).join("\n"));
     if (!this.lanes.has(this.active?.schedule.cell)) this.active = null;
     this.selection.prune((cell) => this.lanes.get(cell)?.schedule.points.length ?? 0);
     this.chooseAwaited(state.revision);
@@ -190,7 +190,7 @@ export class LaneSet {
   }
 
   whyFixed({ schedule, locked }) {
-    return locked ? `${schedule.cell} is locked: unlock it in the list of parts first` : `${schedule.cell} is under control: its commands are the controller's`;
+    return locked ? `${schedule.cell} is locked: unlock it first, by its lock in the list of parts` : `${schedule.cell} is under control: its commands are the controller's`;
   }
 
   pressOnPoint(lane, k, event) {

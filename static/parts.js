@@ -48,6 +48,7 @@ class Parts {
     this.tree = new PartsTree(list, {
       select: (index) => index !== this.selected && actions.select(index),
       rename: (index, name) => actions.edit([{ op: "replace", path: `/vehicle/components/${index}/name`, value: name }]),
+      locked: (index) => this.sayLocked(index),
       move: (index, to) => index !== to && this.act(() => movePart(index, to)),
       mark: (index, marks) => this.act(() => markPart(index, marks)),
       menu: (index, place) => this.menu(index, place),
@@ -78,6 +79,13 @@ class Parts {
 
   act(call) {
     return this.actions.act(call);
+  }
+
+  // Before anybody types what would be refused.
+  sayLocked(index) {
+    const { name } = this.store.get("state").components[index];
+    const detail = "Its name stays as it is until it is unlocked: by its lock in the list of parts, or by L there.";
+    this.store.set({ rejected: { title: `${name} is locked`, detail }, rejectedHere: true });
   }
 
   // Of the changes of one field the newest wins; those of different fields all arrive.

@@ -5,7 +5,7 @@ import { iconOf, kindIcon, sign } from "./partsicons.js";
 import { onUnits, unitNow } from "./unitchoice.js";
 
 export class PartsTree {
-  // hooks: select(index), rename(index, name), move(index, to), mark(index, marks), menu(index, place), key(event, index)
+  // hooks: select(index), rename(index, name), locked(index), move(index, to), mark(index, marks), menu(index, place), key(event, index)
   constructor(root, hooks) {
     Object.assign(this, { root, hooks, rows: [], components: [], selected: -1, renaming: null, dragged: null });
     root.addEventListener("keydown", (event) => this.key(event));
@@ -122,6 +122,7 @@ export class PartsTree {
 
   // Enter or leaving takes the name, Escape leaves the old one; a refused one stays in the box until it is mended.
   rename(index) {
+    if (this.components[index].locked) return this.hooks.locked(index);
     const { name, root } = this.rows[index];
     const before = this.components[index].name;
     const box = el("input", { class: "part-rename", type: "text", maxlength: "80", "aria-label": `Name of ${before}`, "data-testid": "part-rename", spellcheck: "false" });
@@ -155,6 +156,7 @@ export class PartsTree {
     });
     box.addEventListener("blur", () => (box.getAttribute("aria-invalid") ? end(false) : take(false)));
     for (const kind of ["dblclick", "click", "pointerdown"]) box.addEventListener(kind, (event) => event.stopPropagation());
+    return undefined;
   }
 
   over(event, root) {

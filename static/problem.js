@@ -24,7 +24,7 @@ function errorItem(error, link) {
 export function problemNodes(problem, { note, link } = {}) {
   const nodes = [el("p", {}, el("strong", {}, problem.title ?? "This did not work"))];
   const errors = problem.errors ?? [];
-  const said = problem.detail === problem.title || errors.some((e) => e.message === problem.detail);
+  const said = problem.detail === problem.title || errors.some((e) => e.message === problem.detail || (errors.length === 1 && problem.detail?.includes(e.message)));
   if (problem.detail && !said) nodes.push(el("p", {}, problem.detail));
   if (errors.length) nodes.push(el("ul", {}, ...errors.map((e) => errorItem(inUnits(e), link))));
   if (note) nodes.push(el("p", { class: "kept" }, note));

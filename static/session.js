@@ -2,6 +2,7 @@
 
 import * as api from "./api.js";
 
+const REFUSED = "The change was refused"; // as the state says it: the document itself is as good as before
 const RETRY = 2000; // ms, where the browser itself gives up on the event stream
 
 export function createActions(store) {
@@ -15,7 +16,7 @@ export function createActions(store) {
       store.set({ rejected: null, awaited: answer?.revision ?? store.get("awaited") });
       return answer;
     } catch (error) {
-      const problem = toldOf(error, again);
+      const problem = toldOf(error, { again, keepProblem });
       if (again && problem.unreachable) unsent.push(call);
       // The server keeps the last rejected edit in its state; other refusals only this page knows.
       store.set({ rejected: problem, rejectedHere: keepProblem || problem.status !== 422 });
@@ -47,8 +48,9 @@ export function createActions(store) {
 // Where nothing is added or removed, a change that did arrive is the same when it is made again.
 export const repeatable = (patch) => patch.every(({ op }) => op === "replace");
 
-function toldOf(error, again) {
-  const problem = error.problem ?? { title: error.message };
+function toldOf(error, { again, keepProblem }) {
+  const told = error.problem ?? { title: error.message };
+  const problem = told.status === 422 && !keepProblem ? { ...told, title: REFUSED } : told;
   return again && problem.unreachable ? { ...problem, detail: "The change is kept in this page, and sent once the studio is back." } : problem;
 }
 

@@ -65,9 +65,14 @@ class PartMarks:
         for name in sorted(self.locked):
             pointer = _changed_field(before, after, name)
             if pointer is not None:
-                raise DesignError(
-                    [Problem(pointer, f"'{name}' is locked", hint="unlock it in the list of parts first")]
-                )
+                raise DesignError([is_locked(pointer, name)])
+
+
+def is_locked(pointer: str, name: str) -> Problem:
+    """Return why a locked part cannot be changed, and how it can."""
+    return Problem(
+        pointer, f"'{name}' is locked", hint="unlock it first: by its lock in the list of parts, or by L there"
+    )
 
 
 def read_marks(document: Any) -> PartMarks:

@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from models.problems import DesignError, Problem, pointer_to
+from models.problems import DesignError, pointer_to
 from studio.attitude import Quaternion, rotate
+from studio.part_marks import is_locked
 from studio.part_symmetry import partners
 from studio.session import Session
 
@@ -89,8 +90,7 @@ class PartMoves:
         part = self._session.design.vehicle.components[index]
         if part.name in self._session.marks.locked:
             pointer = pointer_to("vehicle", "components", index, "position")
-            problem = Problem(pointer, f"'{part.name}' is locked", hint="unlock it in the list of parts first")
-            self._session.refuse(DesignError([problem]))
+            self._session.refuse(DesignError([is_locked(pointer, part.name)]))
             return None
         self._session.select(index)
         partner = partners(self._session.design.vehicle.components)[index]

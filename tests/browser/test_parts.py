@@ -128,7 +128,13 @@ def test_a_locked_part_is_refused_everywhere_until_it_is_unlocked(panel):
     assert "'Front bellows' is locked" in error["message"] and "unlock" in error["hint"]
     panel.focus_tree()
     panel.key("Delete")
-    expect(page.get_by_test_id("problem")).to_contain_text("is locked")
+    problem = page.get_by_test_id("problem")
+    expect(problem).to_contain_text("'Front bellows' is locked")
+    assert problem.inner_text().count("is locked") == 1 and "/vehicle" not in problem.inner_text()
+    expect(problem.locator("strong")).to_have_text("The change was refused")
+    panel.key("F2")
+    expect(page.get_by_test_id("part-rename")).to_have_count(0)
+    expect(problem).to_contain_text("Its name stays as it is until it is unlocked")
     assert panel.document() == design
     page.get_by_test_id("locked").get_by_role("button").click()
     expect(panel.box("Mass")).to_be_enabled()

@@ -39,7 +39,7 @@ def test_a_locked_part_is_refused_with_the_way_out(session: Session, operation: 
     (problem,) = refused.value.problems
     assert problem.pointer == told
     assert problem.message == "'Front bellows' is locked"
-    assert problem.hint == "unlock it in the list of parts first"
+    assert problem.hint == "unlock it first: by its lock in the list of parts, or by L there"
     assert session.design is before and session.problem == (problem,)
     session.mark(1, locked=False)
     session.edit([operation])
