@@ -13,6 +13,7 @@ from models.hydrodynamics import PolarTable
 from models.hydrodynamics_angles import AngleTable
 from models.hydrodynamics_coefficients import CoefficientForm
 from models.margins import down_along, immersed, offset_along
+from models.moments import moment_in_words
 from models.problems import Problem, pointer_to
 from models.run import Run
 from models.water import profile_range
@@ -226,7 +227,8 @@ def turning_over(run: Run) -> Iterator[Problem]:
             first = int(off.argmax())
             yield Doubt(
                 "/vehicle/components",
-                f"{what} for {_share(off)} of the run, first at {run.times[first]:.2f} s "
+                f"{what} for {_share(off)} of the run, first at "
+                f"{moment_in_words(run.times[first], run.times[-1])} "
                 f"(by up to {-1e3 * righting[off].min():.3g} mm): it tends to turn over",
                 limit=0.0, hint="place weight lower, or keep the cells that cause it from extending so far",
                 times=spans(run, off),

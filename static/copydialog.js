@@ -1,7 +1,6 @@
 // The dialog in which a schedule is copied to another cell, or shifted and stretched in its own.
 
 import { el, setText } from "./dom.js";
-import { fixed } from "./format.js";
 import { refusalBox, showRefusal } from "./refusal.js";
 import { GAP } from "./schedule.js";
 import { converted, shifted, stretched } from "./schedulecopy.js";
@@ -79,12 +78,13 @@ export class CopyDialog {
   }
 
   show() {
+    const { lane } = this;
     showRefusal(this.refusal, null);
     setText(this.apply, this.target === this.lane ? "Apply" : "Copy");
     const made = this.made();
     const beyond = made?.points.filter(({ time }) => time > this.lane.duration).length;
     const parts = !made ? ["Give a time, and a stretch above 0."] : [
-      made.points.length ? `${made.points.length} points, from ${fixed(made.points[0].time, 2)} to ${fixed(made.points.at(-1).time, 2)} s.` : "No point is left within the mission.",
+      made.points.length ? `${made.points.length} points, from ${lane.moment(made.points[0].time)} to ${lane.moment(made.points.at(-1).time)}.` : "No point is left within the mission.",
       made.cut ? `${made.cut} held back by the stops of ${this.to.value}.` : "",
       beyond ? `${beyond} after the mission's end.` : "",
       this.target !== this.lane && this.target?.schedule.points.length ? `Replaces its ${this.target.schedule.points.length} points.` : "",

@@ -30,11 +30,14 @@ export function scientific(value, digits = 1) {
 
 const pad = (n) => String(n).padStart(2, "0");
 
-// A moment of a run that ends at `end`: seconds of a short one, minutes or hours of a long one.
-function moment(t, end) {
-  const whole = Math.floor(t + 1e-9);
+// A moment of a run that ends at `end`, on a clock of minutes or hours; `tenths` where a second is too long.
+function moment(t, end, tenths) {
+  const unit = tenths ? 10 : 1;
+  const size = tenths ? Math.round(Math.abs(t) * unit) : Math.floor(Math.abs(t) + 1e-9);
+  const whole = Math.floor(size / unit);
   const [hours, minutes, seconds] = [Math.floor(whole / 3600), Math.floor((whole % 3600) / 60), whole % 60];
-  return longerThan(end).symbol === "h" ? `${hours}:${pad(minutes)}:${pad(seconds)}` : `${60 * hours + minutes}:${pad(seconds)}`;
+  const clock = longerThan(end).symbol === "h" ? `${hours}:${pad(minutes)}:${pad(seconds)}` : `${60 * hours + minutes}:${pad(seconds)}`;
+  return `${t < 0 && size > 0 ? "\u2212" : ""}${clock}${tenths ? `.${size % unit}` : ""}`;
 }
 
 // The unit of a time axis that ends at `end` seconds.
@@ -43,9 +46,10 @@ export function longerThan(end) {
   return end > 180 ? { symbol: "min", per: 60 } : { symbol: "s", per: 1 };
 }
 
-export function clockText(t, end, { digits = 1, unit = true } = {}) {
+// Every moment on the page is told by this rule, and by models/moments.py where the server tells it; durations are in s.
+export function clockText(t, end, { digits = 1, unit = true, tenths = false } = {}) {
   const { symbol } = longerThan(end);
-  return `${symbol === "s" ? fixed(t, digits) : moment(t, end)}${unit ? ` ${symbol}` : ""}`;
+  return `${symbol === "s" ? fixed(t, digits) : moment(t, end, tenths)}${unit ? ` ${symbol}` : ""}`;
 }
 
 // How people read an extension: millimetres, or degrees of what rolls. `snap` is the step of a drag, in SI.

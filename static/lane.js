@@ -1,7 +1,7 @@
 // One cell's lane: its command (wide, pale), its actual extension (thin), where it is near a stop, and points to drag.
 
 import { el, setText, svg, swatch } from "./dom.js";
-import { extensionScale, fixed } from "./format.js";
+import { clockText, extensionScale, fixed } from "./format.js";
 import { clamp } from "./schedule.js";
 import { commandAt } from "./schedulecopy.js";
 import { at, commandCorners, extent, locate, stretches } from "./series.js";
@@ -183,7 +183,7 @@ export class Lane {
       attributes(this.circles[k], {
         cx: scale.x(point.time), cy: this.y(point.extension), r, visibility: scale.shows(point.time) ? "visible" : "hidden",
         "data-testid": `point-${this.schedule.cell}-${k}`, "data-shape": point.shape, "aria-pressed": String(this.chosen.has(k)), "aria-disabled": String(this.fixed),
-        "aria-label": `${this.schedule.cell} point ${k + 1}: ${words} ${fixed(point.time, 2)} s, ${this.told(point.extension)}`,
+        "aria-label": `${this.schedule.cell} point ${k + 1}: ${words} ${this.moment(point.time)}, ${this.told(point.extension)}`,
       });
     });
   }
@@ -204,6 +204,11 @@ export class Lane {
   offset(event) {
     const box = this.svg.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
+  }
+
+  // To a tenth of a second, which is what points snap to.
+  moment(t) {
+    return clockText(t, this.scale.end, { digits: 2, tenths: true });
   }
 
   told(extension) {

@@ -1,7 +1,6 @@
 // The pointer on the lanes: moves the chosen points together, or draws a band round those to choose.
 
 import { el, setText } from "./dom.js";
-import { fixed } from "./format.js";
 import { clamp, movePatch, timeRoom } from "./schedule.js";
 
 const CLICK_SLOP = 3; // pixels a press may wander and still be a click
@@ -63,7 +62,7 @@ export class LaneDrag {
   // The numbers of the point under the pointer, beside it.
   tellPoint({ lane, k }) {
     const { time, extension } = lane.points[k];
-    setText(this.tip, `${fixed(time, 2)} s · ${lane.told(extension)}`);
+    setText(this.tip, `${lane.moment(time)} · ${lane.told(extension)}`);
     this.tip.hidden = false;
     const [dot, box] = [lane.circles[k].getBoundingClientRect(), this.band.parentElement.getBoundingClientRect()];
     const right = dot.right + 10 + this.tip.offsetWidth < box.right;

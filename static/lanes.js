@@ -163,7 +163,7 @@ export class LaneSet {
   }
 
   open(lane, k) {
-    if (!lane.fixed) this.editor.open({ cell: lane.schedule.cell, k, point: lane.points[k], anchor: lane.circles[k], unit: lane.typedUnit });
+    if (!lane.fixed) this.editor.open({ cell: lane.schedule.cell, k, point: lane.points[k], moment: lane.moment(lane.points[k].time), anchor: lane.circles[k], unit: lane.typedUnit });
   }
 
   seek(t) {

@@ -45,13 +45,13 @@ export class PointEditor {
     return form;
   }
 
-  open({ cell, k, point, anchor, unit }) {
+  open({ cell, k, point, moment, anchor, unit }) {
     this.target = { cell, k };
     this.tell(null);
     this.per = unit.per;
     setText(this.unit, unit.symbol);
     this.anchor = anchor;
-    this.title.textContent = `${cell}, point ${k + 1}`;
+    this.title.textContent = `${cell}, point ${k + 1} at ${moment}`;
     this.time.value = String(Number(point.time.toFixed(4)));
     this.extension.value = String(Number((point.extension * this.per).toPrecision(FIGURES)));
     this.shape.value = point.shape === "ramp" ? "ramp" : "step";

@@ -1,6 +1,6 @@
 // Which numbers of the run and of the design the right column shows, in which unit, and where each comes from.
 
-import { compass, cubicCentimetres, degrees, fixed, grams, scientific } from "./format.js";
+import { clockText, compass, cubicCentimetres, degrees, fixed, grams, longerThan, scientific } from "./format.js";
 import { angleAt, at } from "./series.js";
 
 const now = (key, read = at) => (run, place) => read(run.columns[key], place);
@@ -15,6 +15,8 @@ const FARTHEST = 1e4; // metres: a wider circle is no turn that anyone could tel
 export const mass = (v) => (Math.abs(v) >= 10 ? [fixed(v, 3), "kg"] : [grams(v), "g"]);
 export const volume = (v) => (Math.abs(v) >= 0.01 ? [fixed(v * 1e3, 3), "dm³"] : [cubicCentimetres(v), "cm³"]);
 export const energy = (v, per = "") => (Math.abs(v) >= 1e4 ? [fixed(v / 1e3, 2), `kJ${per}`] : [fixed(v, Math.abs(v) < 100 ? 2 : 1), `J${per}`]);
+// The last moment, as the axis tells moments.
+const time = (v) => [clockText(v, Math.abs(v), { digits: 2, unit: false }), longerThan(Math.abs(v)).symbol];
 export const radius = (v) => (Math.abs(v) > FARTHEST ? ["straight", ""] : [fixed(v, 2), "m"]);
 
 // Joules mean little on their own: the residual counts against the energy that went back and forth.
@@ -45,7 +47,7 @@ export const NOW = [
 ];
 
 export const END = [
-  ["end-time", "Time", "s", (v) => fixed(v, 2), last("t")],
+  ["end-time", "Time", "s", time, last("t")],
   ["end-x", "Distance x", "m", metres, last("x"), "planar"],
   ["end-north", "North", "m", metres, last("x"), "spatial"],
   ["end-east", "East", "m", metres, last("y"), "spatial"],

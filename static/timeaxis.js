@@ -1,6 +1,5 @@
 // The numbers under all plots: one axis of time for lanes and plots.
 
-import { fixed } from "./format.js";
 import { cssColor, prepare } from "./plotcanvas.js";
 import { timeTicks } from "./timescale.js";
 
@@ -12,7 +11,7 @@ export function drawTimeAxis(canvas, scale) {
   context.fillStyle = cssColor("--faint");
   context.textBaseline = "top";
   context.textAlign = "center";
-  for (const t of times.values) context.fillText(fixed(t / times.per, times.digits), Math.min(scale.x(t), scale.width - CLOSE / 2), 4);
+  for (const t of times.values) context.fillText(times.tell(t), Math.min(scale.x(t), scale.width - CLOSE / 2), 4);
   context.textAlign = "right";
-  context.fillText(times.per === 1 ? "t (s)" : times.symbol, scale.left - 12, 4);
+  context.fillText(`t (${times.symbol})`, scale.left - 16, 4);
 }

@@ -1,6 +1,6 @@
 // The horizontal scale that lanes, plots, scrub bar and the red line share, the window of time it shows, and nice ticks.
 
-import { longerThan } from "./format.js";
+import { clockText, fixed, longerThan } from "./format.js";
 
 export const GUTTER = 78; // pixels left of the window, for the value axes' numbers and the lanes' unit
 export const MARGIN = 14; // pixels right of it
@@ -105,11 +105,26 @@ export function ticks(low, high, count) {
   return { values, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
 }
 
-// Ticks of a time axis, in seconds, with the numbers to write in the unit that suits the whole axis.
+// Steps that read well on a clock of minutes and hours, s; shorter and longer ones as of any number.
+const CLOCK_STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1200, 1800, 2400, 3600];
+
+function clockStep(seconds, count) {
+  const step = niceStep(seconds, count);
+  if (step < 1) return step;
+  return CLOCK_STEPS.find((each) => seconds / each <= count) ?? 3600 * Math.ceil(seconds / count / 3600);
+}
+
+// Ticks of a time axis, in seconds, and how each is written: as every moment on the page.
 export function timeTicks({ from, to, end }, count) {
-  const { per, symbol } = longerThan(end);
-  const { values, digits } = ticks(from / per, to / per, count);
-  return { values: values.map((v) => v * per), per, digits, symbol };
+  const { symbol } = longerThan(end);
+  if (symbol === "s") {
+    const { values, digits } = ticks(from, to, count);
+    return { values, symbol, tell: (t) => fixed(t, digits) };
+  }
+  const step = clockStep(to - from, count);
+  const values = [];
+  for (let k = Math.ceil(from / step - 1e-9); k * step <= to + step * 1e-9; k += 1) values.push(k * step);
+  return { values, symbol, tell: (t) => clockText(t, end, { unit: false, tenths: step < 1 }) };
 }
 
 // What a drag or an arrow key moves a time by: tenths of a second, more where a pixel is more than that.

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from models.components import Bladder, Piston, RollingMass, extension_unit
 from models.design import Design
+from models.moments import moment_in_words, stretch_in_words
 from models.operating_point import down_in_body
 from models.problems import Problem, pointer_to
 from models.stability import Quantity, stretches_lost, worst_of
@@ -58,27 +59,28 @@ def severity_of(problem: Problem) -> str:
 
 
 def warnings_of(
-    design: Design, glides: Sequence[HeldGlide], margins: Margins | None, cells: Sequence[CellReach]
+    design: Design, glides: Sequence[HeldGlide], margins: Margins | None, cells: Sequence[CellReach], *, end: float
 ) -> Iterator[Warned]:
-    """Yield everything to warn of, the hold's trims first; nothing of holds that the run did not reach."""
+    """Yield everything to warn of, the hold's trims first; nothing of holds that the run, until `end` (s), missed."""
     glides = [glide for glide in glides if glide.hold.reached]
     for glide in glides:
-        yield from _of_trim(design, glide)
+        yield from _of_trim(design, glide, end)
     yield from _of_reserve(design, glides)
     if margins is not None:
-        yield from _of_margins(margins, steady=all(glide.trim is not None and glide.trim.stable for glide in glides))
+        steady = all(glide.trim is not None and glide.trim.stable for glide in glides)
+        yield from _of_margins(margins, end, steady=steady)
     for cell in cells:
-        yield from _of_stops(design, cell)
+        yield from _of_stops(design, cell, end)
 
 
-def times_in_words(spans: Sequence[Span]) -> str:
-    """Return stretches of time in words, s."""
-    told = ", ".join(f"{start:.4g} to {end:.4g} s" for start, end in spans[:3])
+def times_in_words(spans: Sequence[Span], end: float) -> str:
+    """Return stretches of a run that ends at `end` (s) in words."""
+    told = ", ".join(stretch_in_words(start, stop, end) for start, stop in spans[:3])
     return told if len(spans) <= 3 else f"{told} and {len(spans) - 3} more"
 
 
-def _of_trim(design: Design, glide: HeldGlide) -> Iterator[Warned]:
-    held, trim = times_in_words(glide.hold.spans), glide.trim
+def _of_trim(design: Design, glide: HeldGlide, end: float) -> Iterator[Warned]:
+    held, trim = times_in_words(glide.hold.spans, end), glide.trim
     if trim is not None and not trim.stable:
         doubles = f"double in {math.log(2.0) / trim.growth:.3g} s, " if trim.growth > 1e-6 else ""
         others = ", as are all others there" if glide.others else ""
@@ -134,7 +136,7 @@ def margin_in_words(quantity: Quantity, value: float) -> str:
     return f"{1e2 * value:.3g} % L" if quantity.unit == "1" else f"{1e3 * value:.3g} mm"
 
 
-def _of_margins(margins: Margins, *, steady: bool) -> Iterator[Warned]:
+def _of_margins(margins: Margins, end: float, *, steady: bool) -> Iterator[Warned]:
     for quantity in margins.quantities:
         if quantity.name not in OF_MARGINS:
             continue
@@ -145,14 +147,14 @@ def _of_margins(margins: Margins, *, steady: bool) -> Iterator[Warned]:
             continue
         meanwhile = "; the trims are stable all the same" if steady else ""
         message = (
-            f"{quantity.words} is below 0 from {times_in_words(lost)}, at worst "
-            f"{margin_in_words(quantity, worst.value)} at {worst.time:.4g} s{meanwhile}"
+            f"{quantity.words} is below 0 from {times_in_words(lost, end)}, at worst "
+            f"{margin_in_words(quantity, worst.value)} at {moment_in_words(worst.time, end)}{meanwhile}"
         )
         problem = Problem(quantity.pointer, message, 0.0, MARGIN_HINTS[quantity.name])
         yield Warned("note" if steady else "warn", problem, tuple(lost))
 
 
-def _of_stops(design: Design, cell: CellReach) -> Iterator[Warned]:
+def _of_stops(design: Design, cell: CellReach, end: float) -> Iterator[Warned]:
     """Warn of each stop that a cell meets, and of one that it only comes near to."""
     index, part = next((i, part) for i, part in design.vehicle.actuated if part.name == cell.name)
     pointer = pointer_to("vehicle", "components", index, stop_field(part))
@@ -163,17 +165,17 @@ def _of_stops(design: Design, cell: CellReach) -> Iterator[Warned]:
         stop = f"its {reach.side} stop, {shown}"
         hint = f"ask for less, or {'lower' if reach.side == 'lower' else 'raise'} the stop"
         if reach.at:
-            message = f"'{cell.name}' is at {stop}, from {times_in_words(reach.at)}"
+            message = f"'{cell.name}' is at {stop}, from {times_in_words(reach.at, end)}"
             yield Warned("note", Problem(pointer, message, reach.stop, hint), reach.at)
         else:
-            message = f"'{cell.name}' {_nearness(reach, stop)}"
+            message = f"'{cell.name}' {_nearness(reach, stop, end)}"
             yield Warned("note", Problem(pointer, message, reach.near_limit, hint), reach.near)
 
 
-def _nearness(reach: StopReach, stop: str) -> str:
+def _nearness(reach: StopReach, stop: str, end: float) -> str:
     return (
-        f"comes within {1e2 * reach.least:.2g} % of its stroke of {stop}, at {reach.time:.4g} s; less than "
-        f"{1e2 * NEAR_STOP:.0f} % from {times_in_words(reach.near)}"
+        f"comes within {1e2 * reach.least:.2g} % of its stroke of {stop}, at {moment_in_words(reach.time, end)}; "
+        f"less than {1e2 * NEAR_STOP:.0f} % from {times_in_words(reach.near, end)}"
     )
 
 

@@ -67,6 +67,7 @@ class Consequences:
 def consequences_of(assembly: Assembly, run: Run | None, *, analyses: bool = True) -> Consequences:
     """Return the consequences of a design, `run` being its own run; without `analyses` there are no trims."""
     design = assembly.design
+    end = design.mission.duration if run is None else float(run.times[-1])
     holds, left_out = holds_of(assembly, run)
     glides = tuple(held_glide(assembly, hold, run, analyses=analyses) for hold in holds)
     margins = None if run is None else margins_along(assembly, run)
@@ -74,7 +75,7 @@ def consequences_of(assembly: Assembly, run: Run | None, *, analyses: bool = Tru
     return Consequences(
         assembly, mass_balance(design.vehicle).mass, glides, len(left_out), spans_of(left_out), analyses,
         margins, None if run is None else energy_bill(run), cells,
-        tuple(warnings_of(design, glides, margins, cells)),
+        tuple(warnings_of(design, glides, margins, cells, end=end)),
     )  # fmt: skip
 
 

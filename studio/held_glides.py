@@ -17,6 +17,7 @@ from models.assemble import Assembly
 from models.components import MovableMass, RollingMass
 from models.design import Design
 from models.mass_properties import mass_balance
+from models.moments import moment_in_words
 from models.operating_point import OperatingPoint, down_in_body
 from models.problems import DesignError
 from models.run import Run
@@ -75,7 +76,7 @@ def held_glide(assembly: Assembly, hold: Hold, run: Run | None, *, analyses: boo
 
 
 def _not_reached(run: Run) -> str:
-    return f"not reached, the run ended at {run.times[-1]:.4g} s"
+    return f"not reached, the run ended at {moment_in_words(run.times[-1], run.times[-1])}"
 
 
 def depth_of(design: Design, hold: Hold, run: Run | None) -> float:

@@ -9,6 +9,7 @@ from playwright.sync_api import expect
 
 from models.presets import load_preset
 from tests.browser.timeline_page import Timeline
+from tests.models.test_moments import MOMENTS
 
 pytestmark = pytest.mark.browser
 
@@ -137,3 +138,18 @@ def test_a_kept_run_is_told_by_its_colour_and_an_output_by_its_dash(program, bar
     assert [dash.replace(" ", ",") for dash in dashes] == [dash for dash, *_ in looks for _ in range(3)]
     expect(legend.get_by_role("group", name="Kept runs laid under")).to_have_text("OneTwo")
     assert timeline.state("s.kept.length") == 2
+
+
+def test_the_page_tells_moments_as_the_server_does(bare, program):
+    Timeline.open_preset(bare, program.url, "quad-bellows-spiral")
+    for t, end, told in MOMENTS:
+        asked = "([t, end]) => import('../../static/format.js').then((format) => format.clockText(t, end))"
+        page = bare.evaluate(asked, [t, end]).replace("\u2212", "-")
+        value, unit = page.split()
+        assert (f"{float(value):.4g} {unit}" if unit == "s" else page) == told
+    expect(bare.get_by_test_id("readout-end-time")).to_have_text("16:00")
+    expect(bare.locator("#warnings summary", has_text="margin in pitch")).to_contain_text("0:16 to 0:32 min")
+    ticks = "import('../../static/timescale.js').then((m) => m.timeTicks({ from: 60, to: 150, end: 960 }, 6))"
+    assert bare.evaluate(f"() => {ticks}.then((t) => t.values.map(t.tell))") == [
+        "1:00", "1:15", "1:30", "1:45", "2:00", "2:15", "2:30",
+    ]  # fmt: skip

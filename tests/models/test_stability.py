@@ -71,7 +71,7 @@ def test_a_change_of_sign_is_found_when_it_happens(model):
     assert any(w.message.startswith("the growth of small motions") for w in history.warnings)
     assert any(change.name == "growth" and change.lost for change in history.changes)
     (told,) = turning_over(run)
-    assert told.pointer == "/vehicle/components" and "first at 8.10 s" in told.message and "1 mm" in told.message
+    assert told.pointer == "/vehicle/components" and "first at 8.1 s" in told.message and "1 mm" in told.message
 
 
 def test_what_stays_upright_is_not_warned_of():

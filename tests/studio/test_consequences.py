@@ -107,7 +107,7 @@ class TestTheTrims:
         first = found.glides[0]
         assert first.trim is not None
         loose = replace(first, trim=replace(first.trim, growth=0.1))
-        (warned,) = warnings_of(dual_bellows, [loose], None, ())
+        (warned,) = warnings_of(dual_bellows, [loose], None, (), end=20.0)
         assert warned.severity == "bad" and warned.times == ((0.0, 10.0),)
         assert warned.problem.message.startswith("unstable glide")
         assert f"double in {math.log(2.0) / 0.1:.3g} s" in warned.problem.message
