@@ -42,6 +42,7 @@ export const saveDesign = (request) => call("POST", "save", request);
 export const listDesigns = (query) => call("GET", `api/v1/designs?${new URLSearchParams(query)}`);
 // Edits of one gesture (a drag) are one step of undo, however long it lasts.
 export const edit = (patch, gesture) => call("POST", "edit", { patch, gesture });
+export const editPaired = (patch) => call("POST", "edit", { patch, paired: true }); // mirror images go along
 export const undo = () => call("POST", "undo");
 export const redo = () => call("POST", "redo");
 export const openDesign = (text) => call("PUT", "design", text);

@@ -1,10 +1,10 @@
 // The left panel: the list of parts with its buttons, and the fields below. It keeps no document of its own: everything
 // is asked of the server, and drawn from what it answers.
 
-import { edit, latestWins } from "./api.js";
+import { editPaired, latestWins } from "./api.js";
 import { $, el } from "./dom.js";
 import { describeKey } from "./keys.js";
-import { addPart, copyPart, getFields, getSchema, markPart, mirrorPart, movePart, removePart, setMassProperties } from "./partsapi.js";
+import { addPart, copyPart, getFields, getSchema, linkPairs, markPart, mirrorPart, movePart, removePart, setMassProperties } from "./partsapi.js";
 import { PartsForm } from "./partsform.js";
 import { kindIcon, sign } from "./partsicons.js";
 import { closeMenu, openMenu } from "./partsmenu.js";
@@ -54,7 +54,8 @@ class Parts {
       menu: (index, place) => this.menu(index, place),
       key: (event, index) => this.key(event, index),
     });
-    this.form = new PartsForm(scroller, { change: (spec, value) => this.change(spec, value), press: (name) => name === "forces" && this.showForces(), unlock: () => this.act(() => markPart(this.selected, { locked: false })) });
+    this.form = new PartsForm(scroller, { change: (spec, value) => this.change(spec, value), press: (name) => name === "forces" && this.showForces(), unlock: () => this.act(() => markPart(this.selected, { locked: false })),
+      link: (linked) => this.act(() => linkPairs(linked)) });
     this.fetch = latestWins(() => this.refresh());
     onUnits(() => this.draw());
     store.watch(["state"], ({ state }) => state && this.follow(state));
@@ -93,7 +94,7 @@ class Parts {
     const patch = spec.call ? null : spec.write(value);
     if (patch?.length === 0) return { ok: true };
     if (!this.senders.has(spec.key)) this.senders.set(spec.key, latestWins((call, again) => this.ask(call, again)));
-    return this.senders.get(spec.key)(spec.call ? () => setMassProperties(spec.call(value)[1]) : () => edit(patch), !patch || repeatable(patch));
+    return this.senders.get(spec.key)(spec.call ? () => setMassProperties(spec.call(value)[1]) : () => editPaired(patch), !patch || repeatable(patch));
   }
 
   async ask(call, again) {

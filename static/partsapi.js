@@ -10,4 +10,5 @@ export const mirrorPart = (index, schedule) => call("POST", `parts/${index}/mirr
 export const movePart = (index, to) => call("POST", `parts/${index}/move`, { to });
 export const removePart = (index) => call("DELETE", `parts/${index}`);
 export const markPart = (index, marks) => call("POST", `parts/${index}/marks`, marks);
+export const linkPairs = (linked) => call("POST", "pairs", { linked });
 export const setMassProperties = (request) => call("POST", "mass-properties", request);

@@ -20,7 +20,7 @@ function readOpen() {
 }
 
 export class PartsForm {
-  // hooks: change(spec, value), press(name), unlock()
+  // hooks: change(spec, value), press(name), unlock(), link(whether mirror images go along)
   constructor(root, hooks) {
     Object.assign(this, { root, hooks, ctx: null, open: readOpen() });
     const env = (locked) => ({ change: hooks.change, press: hooks.press, locked, colorNow: () => this.part?.color ?? "#808080" });
@@ -29,10 +29,14 @@ export class PartsForm {
     this.title = el("span", { class: "form-name" });
     this.kind = el("span", { class: "form-kind" });
     this.lockNote = el("p", { class: "lock-note", "data-testid": "locked", hidden: true }, "Locked. ", el("button", { type: "button", class: "link", onclick: hooks.unlock }, "Unlock"));
+    this.linked = el("input", { type: "checkbox", "data-testid": "pair-linked" });
+    this.linked.addEventListener("change", () => hooks.link(this.linked.checked));
+    this.pairWords = el("span");
+    this.pairNote = el("label", { class: "pair-note", hidden: true, title: "What is changed here, or dragged in the scene, is done to both parts, mirrored" }, this.linked, this.pairWords);
     const body = el("div", { class: "field-body" });
     this.fields = new Items(body, env(() => Boolean(this.part?.locked)));
     const heading = el("h2", { class: "form-head", "data-testid": "form-title" }, this.color, this.icon, this.title, this.kind);
-    this.place = el("section", { class: "form-part", "aria-label": "Selected part", "data-testid": "part-fields" }, heading, this.lockNote, body);
+    this.place = el("section", { class: "form-part", "aria-label": "Selected part", "data-testid": "part-fields" }, heading, this.lockNote, this.pairNote, body);
     root.append(this.place);
     this.sections = SECTIONS.map((section) => this.made(section, env(() => false)));
     root.addEventListener("scroll", hideHelp);
@@ -93,8 +97,19 @@ export class PartsForm {
     const icon = iconOf(row ?? part);
     if (this.drawnIcon !== icon) this.icon.replaceChildren(kindIcon((this.drawnIcon = icon)));
     this.lockNote.hidden = !row?.locked;
+    this.drawPair(row);
     this.fields.update(partItems(this.ctx), this.ctx.revision);
     for (const section of this.sections) this.drawSection(section);
+  }
+
+  drawPair(row) {
+    const { components, linked } = this.ctx.state;
+    const partner = components[row?.partner ?? -1];
+    this.pairNote.hidden = !partner || row.locked;
+    if (!partner) return;
+    this.linked.checked = linked && !partner.locked;
+    this.linked.disabled = partner.locked;
+    setText(this.pairWords, partner.locked ? `${partner.name} mirrors it, but is locked and stays` : `Also ${partner.name}, mirrored`);
   }
 
   // A closed section has no rows: it is made when somebody opens it.

@@ -56,15 +56,22 @@ async def get_events(opened: Admitted) -> Response:
 
 @router.post("/edit")
 def edit(opened: Admitted, document: Document) -> Response:
-    """Apply {"patch": [...]} to the design; edits of the same "gesture" (a drag) are one step of undo."""
-    if not isinstance(document, dict) or not {"patch"} <= set(document) <= {"patch", "gesture"}:
-        raise DesignError([Problem("", "send an object with a patch, and a gesture if any", hint='{"patch": [...]}')])
+    """Apply {"patch": [...]} to the design; edits of the same "gesture" (a drag) are one step of undo.
+
+    With "paired" mirror images go along, unless the session has them stay.
+    """
+    if not isinstance(document, dict) or not {"patch"} <= set(document) <= {"patch", "gesture", "paired"}:
+        message = "send an object with a patch, a gesture if any, and whether it is paired"
+        raise DesignError([Problem("", message, hint='{"patch": [...]}')])
     gesture = document.get("gesture")
     if not isinstance(gesture, str | None):
         raise DesignError(
             [Problem("/gesture", "the name of a gesture is no text", hint="leave it out for a single edit")]
         )
-    opened.session.edit(document["patch"], gesture=gesture)
+    paired = document.get("paired", False)
+    if not isinstance(paired, bool):
+        raise DesignError([Problem("/paired", "whether it is paired is true or false", hint="leave it out for false")])
+    opened.session.edit(document["patch"], gesture=gesture, paired=paired)
     return _revision(opened)
 
 

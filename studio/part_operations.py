@@ -94,6 +94,16 @@ def mark_part(opened: Admitted, index: int, document: Document) -> Response:
     return _answer(opened)
 
 
+@router.post("/pairs")
+def link_pairs(opened: Admitted, document: Document) -> Response:
+    """Have mirror images go along with parts that are edited or dragged, or stay: {"linked": true}."""
+    linked = document.get("linked") if isinstance(document, dict) else None
+    if not isinstance(linked, bool):
+        raise DesignError([Problem("/linked", "linked must be true or false", hint='such as {"linked": false}')])
+    opened.session.link(linked)
+    return _answer(opened)
+
+
 @router.post("/mass-properties")
 def set_mass_properties(opened: Admitted, document: Document) -> Response:
     """Declare the mass properties as they are now, or compose them again: {"kind": "declared" or "composite"}."""

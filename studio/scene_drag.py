@@ -97,7 +97,7 @@ class PartMoves:
         return Grip(index, part.name, part.position, partner, f"move {next(self._numbers)}")
 
     def put(self, grip: Grip, place: Vector) -> None:
-        """Put a part somewhere else, and its mirror image there on the other side unless that is locked."""
+        """Put a part somewhere else, and its mirror image on the other side, where pairs are linked and it is free."""
         design = self._session.design
         components = design.vehicle.components
         if grip.index >= len(components) or components[grip.index].name != grip.name:
@@ -106,7 +106,8 @@ class PartMoves:
         if design.mission.solver.model == "planar":
             y = components[grip.index].position[1]
         patch = [_replace(grip.index, (x, y, z))]
-        if grip.partner is not None and components[grip.partner].name not in self._session.marks.locked:
+        free = grip.partner is not None and components[grip.partner].name not in self._session.marks.locked
+        if grip.partner is not None and free and self._session.linked:
             patch.append(_replace(grip.partner, (x, -y, z)))
         try:
             self._session.edit(patch, gesture=grip.gesture)

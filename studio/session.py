@@ -26,6 +26,7 @@ from studio.kept_again import KeptAgain
 from studio.kept_runs import NO_RUNS, KeptRun, KeptRuns, SavedRuns
 from studio.listeners import Listeners
 from studio.origin import Origin
+from studio.pairs import followed
 from studio.part_marks import PartMarks
 from studio.runner import Runner
 from studio.scene_display import FIRST_DISPLAY, Display
@@ -70,6 +71,7 @@ class Session:
         self.kept = KeptRuns(kept)
         self._again = KeptAgain(self.kept, limits=limits, on_done=self.touch)
         self.marks = PartMarks()
+        self._linked = True
         self._display = display
         self._identity: tuple[Design, str] | None = None
         self._selected = design.vehicle.actuated[0][0] if design.vehicle.actuated else 0
@@ -164,15 +166,30 @@ class Session:
         components = self.design.vehicle.components
         return components[min(self._selected, len(components) - 1)]
 
-    def edit(self, patch: Sequence[Mapping[str, Any]], *, gesture: str | None = None) -> Design:
+    def edit(self, patch: Sequence[Mapping[str, Any]], *, gesture: str | None = None, paired: bool = False) -> Design:
         """Apply a JSON Patch (RFC 6902); renaming or removing one component also changes what names it.
 
-        Edits of one gesture that follow each other are one step of undo, however long it lasts.
+        Edits of one gesture that follow each other are one step of undo, however long it lasts. A `paired` one takes
+        mirror images along, as long as pairs are `linked`.
         """
         key, within = (changes.merge_key(patch), MERGE_WITHIN) if gesture is None else (gesture, math.inf)
-        return self._change(
-            lambda design: apply_patch(design, changes.completed(design, patch)), merge=key, within=within
-        )
+
+        def make(design: Design) -> Design:
+            edited = apply_patch(design, changes.completed(design, patch))
+            along = followed(design, edited, staying=self.marks.locked) if paired and self._linked else []
+            return apply_patch(edited, along) if along else edited
+
+        return self._change(make, merge=key, within=within)
+
+    @property
+    def linked(self) -> bool:
+        """Whether a part that is edited or dragged by hand takes its mirror image along."""
+        return self._linked
+
+    def link(self, linked: bool) -> None:
+        """Have mirror images go along, or stay."""
+        self._linked = linked
+        self._runner.touch()
 
     def set_field(self, pointer: str, value: Any) -> Design:
         """Set one field by JSON Pointer."""

@@ -51,6 +51,7 @@ def state_of(session: Session, *, saved_at: str | None) -> dict[str, Any]:
         "kernel": "compiling" if session.compiling else "ready",
         "simulating": session.simulating,
         "selected": session.selected,
+        "linked": session.linked,
         "components": _components(design, colors, part_rows(design, session.marks)),
         "schedules": _schedules(design, colors),
         "model": design.mission.solver.model,

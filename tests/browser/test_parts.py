@@ -7,7 +7,9 @@ import re
 import pytest
 from playwright.sync_api import expect
 
+from models.presets import load_preset
 from studio.part_kinds import NAMES
+from tests.browser.panel_page import PanelPage
 
 pytestmark = pytest.mark.browser
 
@@ -237,3 +239,24 @@ def test_choosing_a_part_brings_its_fields_into_view(panel):
     panel.part("Rear bellows").click()
     expect(panel.page.get_by_test_id("form-title")).to_contain_text("Rear bellows")
     expect(panel.page.get_by_test_id("form-title")).to_be_in_viewport()
+
+
+def test_fields_change_both_parts_of_a_pair_unless_it_is_unlinked(program, bare):
+    document = load_preset("quad-bellows-glide").model_dump(mode="json")
+    panel = PanelPage.open_document(bare, program.url, document)
+    panel.part("Front port cell").click()
+    linked = bare.get_by_test_id("pair-linked")
+    expect(bare.get_by_text("Also Front starboard cell, mirrored")).to_be_visible()
+
+    def places() -> list[float]:
+        return [panel.at("vehicle", "components", i, "position", 1) for i in (4, 5)]
+
+    panel.type_number("Position y", -210)
+    panel.wait_until(lambda: places() == [-0.21, 0.21])
+    bare.get_by_test_id("undo").click()
+    panel.wait_until(lambda: places() == [-0.2, 0.2])
+    linked.uncheck()
+    panel.wait_until(lambda: panel.state("s.linked") is False)
+    panel.type_number("Position y", -210)
+    panel.wait_until(lambda: places() == [-0.21, 0.2])
+    expect(linked).to_be_hidden()  # they are no pair any more
