@@ -2,6 +2,7 @@
 // where the focus rests; beside the panel over the 3D view, so that it covers neither fields nor the timeline.
 
 import { $, el } from "./dom.js";
+import { trueMinus } from "./format.js";
 import { shown, typed, unitNow } from "./unitchoice.js";
 
 const PATIENCE = 450; // ms of a pointer at rest
@@ -20,7 +21,7 @@ function made() {
   return box;
 }
 
-const figures = (value) => (typeof value === "number" ? String(Number(value.toPrecision(7))) : Array.isArray(value) && value.every((v) => typeof v === "number") ? `[${value.map(figures).join(", ")}]` : null);
+const figures = (value) => (typeof value === "number" ? trueMinus(String(Number(value.toPrecision(7)))) : Array.isArray(value) && value.every((v) => typeof v === "number") ? `[${value.map(figures).join(", ")}]` : null);
 
 function limits({ low, high, aboveLow, quantity, unit }) {
   const { symbol } = unitNow(quantity, unit);

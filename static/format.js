@@ -18,6 +18,9 @@ export const cubicCentimetres = (cubicMetres, digits = 1) => fixed(cubicMetres *
 export const compass = (radians) => fixed((((Math.round(radians * DEGREES * 10) % 3600) + 3600) % 3600) / 10, 1);
 export const toDegrees = (radians) => radians * DEGREES;
 
+// The server writes numbers in its sentences with a hyphen; a range from one to another keeps its own.
+export const trueMinus = (text) => text?.replace(/(^|[\s([{:,±])-(?=[\d.])/g, "$1\u2212");
+
 const SUPERSCRIPT = { "-": "\u207b", 0: "\u2070", 1: "\u00b9", 2: "\u00b2", 3: "\u00b3", 4: "\u2074", 5: "\u2075", 6: "\u2076", 7: "\u2077", 8: "\u2078", 9: "\u2079" };
 
 export function scientific(value, digits = 1) {

@@ -48,6 +48,7 @@ const GAP = 4; // times the usual step: further apart, two points are not on one
 // One line for each stretch of stable or of unstable trims; the points lie evenly, so a far one begins another branch.
 function curveNodes({ points }, { x, y }) {
   const at = ([u, z]) => [x(u), y(z)];
+  if (points.length === 1) return [svg("circle", { class: points[0][3] === 1 ? "curve only" : "curve only loose", cx: x(points[0][0]), cy: y(points[0][1]), r: 2.5 })];
   const steps = points.slice(1).map((point, k) => Math.hypot(...at(point).map((v, i) => v - at(points[k])[i])));
   const usual = [...steps].sort((a, b) => a - b)[steps.length >> 1] ?? 0;
   const stretches = [];
@@ -88,6 +89,14 @@ function bestNames(best, { x, y }) {
     const left = place.x > WIDTH / 2;
     return text(place.x + (left ? -9 : 9), place.y - 7, place.names.join(" · "), left ? "end" : "start");
   });
+}
+
+const counted = (n, what) => `${n} ${what}${n === 1 ? "" : "s"}`;
+
+// At the stops all cells together may leave one glide: that is a point, and no line.
+function countInWords(curves) {
+  const single = curves.filter(({ points }) => points.length === 1).length;
+  return [counted(curves.length - single, "line"), single ? counted(single, "single point") : ""].filter(Boolean).join(" and ");
 }
 
 export class GlidePolarView {
@@ -134,6 +143,6 @@ export class GlidePolarView {
     $("glide-polar-legend").replaceChildren(
       ...holds.map((hold) => legendRow(CIRCLE, hold === now ? "trim-mark now" : "trim-mark", hold.trim, `Trim ${spansText(hold.spans, this.clock.end)}`)),
       ...best.map((trim, k) => legendRow(MARKS[k % MARKS.length], "best", trim, trim.name)));
-    setText($("glide-polar-words"), `${curves.length} lines, one for each amount by which all cells swell or shrink together, from a quarter of the stroke to the stops; dashed where the glide is unstable. Energy is ${this.found.energy}.`);
+    setText($("glide-polar-words"), `${countInWords(curves)}, one for each amount by which all cells swell or shrink together, from a quarter of the stroke to the stops; dashed where the glide is unstable. Energy is ${this.found.energy}.`);
   }
 }

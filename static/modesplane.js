@@ -81,6 +81,7 @@ export function drawPlane(modes, { chosen, choose, point }) {
   const unstable = svg("rect", { class: "unstable", x: scale.x(0), y: PAD.top, width: Math.max(WIDTH - PAD.right - scale.x(0), 0), height: HEIGHT - PAD.top - PAD.bottom });
   return svg("svg", { class: "plane", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "group", "aria-label": "Eigenvalues: growth to the right, oscillation up", "data-testid": "modes-plane" },
     unstable, ...grid(scale), ...rays(scale),
-    label((WIDTH - PAD.right) / 2, HEIGHT - 3, "growth (1/s)"), label(WIDTH - 3, PAD.top + 3, "rad/s", "end"),
+    label((PAD.left + WIDTH - PAD.right) / 2, HEIGHT - 3, "dies out ← growth (1/s) → grows"),
+    svg("text", { "text-anchor": "middle", transform: `translate(${WIDTH - 4} ${(PAD.top + HEIGHT - PAD.bottom) / 2}) rotate(-90)` }, "oscillation (rad/s)"),
     ...modes.map((mode, k) => mark(mode, k, scale, { chosen: k === chosen, choose, point })));
 }

@@ -12,7 +12,7 @@ const KEYS = [ // handled by the client of the 3D view, which has them after a c
   ["drag", "A part: along the hull (x), in whole millimetres"], ["Shift+drag", "A part: to port or starboard (y), in three dimensions"],
   ["Ctrl+drag", "A part: up or down (z)"], ["Alt+drag", "A part: without snapping, with Shift or Ctrl too"],
   [["W", "A", "S", "D", "Q", "E"], "After a click there: move the camera ahead, left, back, right, down, up"],
-  [["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"], "After a click there: turn the camera; ← and → move the clock, too"],
+  [["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"], "After a click there: turn the camera; , and . still move the clock"],
 ];
 
 // How much of the scene, from its top, lies under the buttons.

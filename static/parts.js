@@ -8,7 +8,7 @@ import { addPart, copyPart, getFields, getSchema, linkPairs, markPart, mirrorPar
 import { PartsForm } from "./partsform.js";
 import { kindIcon, sign } from "./partsicons.js";
 import { closeMenu, openMenu } from "./partsmenu.js";
-import { PartsTree } from "./partstree.js";
+import { PartsTree, STILL_THERE } from "./partstree.js";
 import { repeatable } from "./session.js";
 import { onUnits, suitUnits } from "./unitchoice.js";
 
@@ -178,7 +178,7 @@ class Parts {
       { label: "Move down", icon: sign("down"), keys: "Alt+↓", disabled: index === last, run: () => this.act(() => movePart(index, index + 1)) },
       null,
       { label: "Lock", icon: sign("lock"), keys: "L", checked: part.locked, run: () => this.act(() => markPart(index, { locked: !part.locked })) },
-      { label: "Hide", icon: sign("hidden"), keys: "H", checked: part.hidden, run: () => this.act(() => markPart(index, { hidden: !part.hidden })) },
+      { label: "Hide", about: STILL_THERE[0].toUpperCase() + STILL_THERE.slice(1), icon: sign("hidden"), keys: "H", checked: part.hidden, run: () => this.act(() => markPart(index, { hidden: !part.hidden })) },
       null,
       { label: "Remove", icon: sign("remove"), keys: "Delete", disabled: last === 0, run: () => this.act(() => removePart(index)) },
     ], { label: part.name, anchor });

@@ -4,6 +4,8 @@ import { el, flash, setText, swatch } from "./dom.js";
 import { iconOf, kindIcon, sign } from "./partsicons.js";
 import { onUnits, unitNow } from "./unitchoice.js";
 
+export const STILL_THERE = "not drawn, yet it counts; the arrows are the forces on the whole glider";
+
 export class PartsTree {
   // hooks: select(index), rename(index, name), locked(index), move(index, to), mark(index, marks), menu(index, place), key(event, index)
   constructor(root, hooks) {
@@ -88,16 +90,16 @@ export class PartsTree {
     setText(row.mass, mass);
     setText(row.unit, unit.symbol);
     this.drawMark(row.locked, "locked", part, part.locked ? `Unlock ${part.name}` : `Lock ${part.name}`, part.locked ? "lock" : "unlock");
-    this.drawMark(row.hidden, "hidden", part, part.hidden ? `Show ${part.name}` : `Hide ${part.name}`, part.hidden ? "hidden" : "shown");
+    this.drawMark(row.hidden, "hidden", part, part.hidden ? `Show ${part.name}` : `Hide ${part.name}`, part.hidden ? "hidden" : "shown", `: ${STILL_THERE}`);
     const said = [part.name, part.kind.replaceAll("_", " "), `${mass} ${unit.symbol}`, partner && `mirrors ${partner}`, part.locked && "locked", part.hidden && "hidden"];
     row.root.setAttribute("aria-label", said.filter(Boolean).join(", "));
   }
 
-  drawMark(button, name, part, words, icon) {
+  drawMark(button, name, part, words, icon, more = "") {
     if (button.dataset.icon !== icon) button.replaceChildren(sign((button.dataset.icon = icon)));
     button.setAttribute("aria-label", words);
     button.setAttribute("aria-pressed", String(part[name]));
-    button.title = words;
+    button.title = words + more;
   }
 
   key(event) {

@@ -1,5 +1,7 @@
 // Samples that left the data which forces and water come from: when they did, for the ground of plots and for words.
 
+import { trueMinus } from "./format.js";
+
 // Stretches of time from first to last; one where several things are outside at once.
 export function outsideStretches(run) {
   const spans = (run?.outside ?? []).flatMap((o) => o.spans).sort((a, b) => a[0] - b[0]);
@@ -13,4 +15,4 @@ export function outsideStretches(run) {
 }
 
 // What is outside at a moment, in words.
-export const outsideAt = (run, t) => (run?.outside ?? []).filter(({ spans }) => spans.some(([a, b]) => t >= a && t <= b)).map(({ what }) => what);
+export const outsideAt = (run, t) => (run?.outside ?? []).filter(({ spans }) => spans.some(([a, b]) => t >= a && t <= b)).map(({ what }) => trueMinus(what));

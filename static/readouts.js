@@ -3,7 +3,7 @@
 import { call } from "./api.js";
 import { BALANCE, ENERGY, MARGINS, TRIM, withinSource } from "./consequencerows.js";
 import { $, el, setText } from "./dom.js";
-import { clockText, degrees, fixed } from "./format.js";
+import { clockText, degrees, fixed, trueMinus } from "./format.js";
 import { connectGroups } from "./groups.js";
 import { heldAt, isLeftOut, spansText } from "./held.js";
 import { isReady } from "./keptruns.js";
@@ -21,7 +21,7 @@ function noTrim({ hold }) {
     const roll = Math.abs(hold.rest.roll) > 1e-6 ? `, roll ${degrees(hold.rest.roll)}°` : "";
     return `No steady glide: the glider weighs what it displaces. At rest it hangs at pitch ${degrees(hold.rest.pitch)}°${roll}.`;
   }
-  return hold.why ? `No steady glide: ${hold.why}.` : "";
+  return hold.why ? `No steady glide: ${trueMinus(hold.why)}.` : "";
 }
 
 const readyReference = (reference, state) => state?.kept?.find((kept) => kept.id === reference && isReady(kept));
@@ -73,7 +73,7 @@ class Readouts {
     $("pane-readouts").classList.toggle("dense", this.model === "spatial");
     for (const item of [...this.now, ...this.ofState, ...this.held]) item.root.hidden = Boolean(item.model) && item.model !== this.model;
     for (const item of this.ofState) write(item, item.read(state), { flash: this.number > 0 && item.id !== "elapsed", own: item.unitOf?.(state) });
-    setText($("end-message"), state.run?.message ?? "");
+    setText($("end-message"), trueMinus(state.run?.message) ?? "");
     setText($("energy-message"), this.model === "planar" ? "The planar model keeps no account of the battery; the spatial one does." : "");
     this.showClock();
     this.number = this.store.get("consequences")?.run ?? 0;

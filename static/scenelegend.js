@@ -11,12 +11,14 @@ import { scaleOf } from "./units.js";
 const FORCES = { "net_buoyancy": "N", lift: "N", drag: "N", side_force: "N" };
 const MOMENTS = ["hydro_K", "moment", "hydro_N"];
 const MOMENT_UNIT = "N m";
+const NOTHING = 1e-9; // N or N m: a force that small is a rounding error
 const FOLDED = "glider-studio.legend-folded";
 const LOW_SCENE = 420; // px: below, a row for each mark would reach down to the glider
 
 // A column in one unit and with as many digits as its range asks for, while the run lasts.
 const scales = (columns) => Object.fromEntries([...Object.keys(FORCES), ...MOMENTS].filter((key) => columns[key])
-  .map((key) => [key, scaleOf(FORCES[key] ?? MOMENT_UNIT, ...extent(columns[key]))]));
+  .map((key) => [key, scaleOf(FORCES[key] ?? MOMENT_UNIT, ...extent(columns[key]), { noise: noiseOf(extent(columns[key])) })]));
+const noiseOf = ([low, high]) => NOTHING / Math.max(Math.abs(low), Math.abs(high), NOTHING);
 
 const millimetres = (v) => fixed(1e3 * v, 2);
 

@@ -2,7 +2,7 @@
 
 import { call } from "./api.js";
 import { $, el } from "./dom.js";
-import { degrees, extensionScale, fixed } from "./format.js";
+import { degrees, extensionScale, fixed, trueMinus } from "./format.js";
 import { heldAt, spanText } from "./held.js";
 import { holdPatch } from "./holdpatch.js";
 import { problemNodes } from "./problem.js";
@@ -24,7 +24,7 @@ function found(trim, components) {
 }
 
 function failed({ message, nearest, active }, components) {
-  const why = message.split("; ")[0];
+  const why = trueMinus(message.split("; ")[0]);
   const stops = active.map(({ cell, stop, extension }) => {
     const { symbol, per, digits } = extensionScale(components.find(({ name }) => name === cell)?.unit);
     return el("li", {}, `${cell} is at its ${stop} stop, ${fixed(extension * per, digits)} ${symbol}`);

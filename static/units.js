@@ -29,6 +29,7 @@ const written = (unit) => unit.replace(/([A-Za-z])([234])(?!\d)/g, (_, letter, p
 const MOST_DIGITS = 6;
 const LEAST = 1e-4; // below this, and from MOST on, a number is written with a power of ten
 const MOST = 1e7;
+const ROUNDING = 1e-12;
 const FEWEST = 2; // significant digits that are left of any value
 
 // Enough digits to tell a thousandth of the spread.
@@ -55,8 +56,9 @@ function powersFor(low, high) {
   return high > low ? Math.min(Math.max(Math.ceil(2 + Math.log10(largest / (high - low)) - 1e-9), 2), MOST_DIGITS) : 2;
 }
 
-// `noise`, a part of the largest value, is what counts as nothing: a root that a solver found misses zero by its tolerance.
-export function scaleOf(unit, low, high, { noise = 0 } = {}) {
+// `noise`, a part of the largest value, is what counts as nothing: what is left over of sums, and where a solver found a
+// root, by how much that misses zero.
+export function scaleOf(unit, low, high, { noise = ROUNDING } = {}) {
   const largest = Math.max(Math.abs(low), Math.abs(high)) || 0;
   const [, per, symbol] = (SCALES[unit] ?? [[ALWAYS, 1, written(unit)]]).find(([upTo]) => largest < upTo || upTo === ALWAYS);
   const size = largest * per;

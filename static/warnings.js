@@ -1,7 +1,7 @@
 // Warnings of the design, of its run and of what follows from them: the worst first, each leading to its field and time.
 
 import { $, el, setText } from "./dom.js";
-import { clockText } from "./format.js";
+import { clockText, trueMinus } from "./format.js";
 import { spanText } from "./held.js";
 
 const ORDER = ["bad", "warn", "note"];
@@ -11,7 +11,8 @@ const MOST_TIMES = 4;
 // Those of the state and of the consequences as one list; its order is what `focusedWarning` counts by.
 export function allWarnings(state, consequences) {
   const all = [...(state?.warnings ?? []), ...(consequences?.warnings ?? [])];
-  return all.sort((a, b) => ORDER.indexOf(a.severity ?? "warn") - ORDER.indexOf(b.severity ?? "warn"));
+  const written = all.map((warning) => ({ ...warning, message: trueMinus(warning.message), hint: trueMinus(warning.hint) }));
+  return written.sort((a, b) => ORDER.indexOf(a.severity ?? "warn") - ORDER.indexOf(b.severity ?? "warn"));
 }
 
 // `untold` counts further stretches, which were not sent and are not on the timeline.

@@ -28,6 +28,8 @@ QUANTITIES = {
 """What may colour a path, in the page's words; a planar run has not all of them."""
 TAIL = 5.0
 """Percent of a run, at either end of what it goes through, that may lie beyond the scale."""
+NOISE = 1e-9
+"""Share of the largest value (in SI units, of values below 1) that is a rounding error: no end and no colour."""
 OUTLYING = 2.0
 """A scale leaves the tails out where with them it would span this many times as much."""
 
@@ -68,11 +70,18 @@ def scale_of(run: Run, name: str | None) -> Scale | None:
     known = values[np.isfinite(values)]
     if not len(known):
         return None
-    least, most = float(known.min()), float(known.max())
-    low, high = _beyond_tails(known)
+    least, most = _without_noise(float(known.min()), float(known.max()))
+    low, high = _without_noise(*_beyond_tails(known))
     if most - least <= OUTLYING * (high - low) or high <= low:
         low, high = least, most
     return Scale(name, run.variables[name][0], low, high, below=least < low, above=most > high)
+
+
+def _without_noise(low: float, high: float) -> tuple[float, float]:
+    """Return the ends of a range, 0 where they are rounding errors, and equal where only those part them."""
+    noise = NOISE * max(abs(low), abs(high), 1.0)
+    low, high = (0.0 if abs(end) <= noise else end for end in (low, high))
+    return (low, high) if high - low > noise else (low, low)
 
 
 def _beyond_tails(values: Array) -> tuple[float, float]:

@@ -198,6 +198,9 @@ def test_the_polars_show_the_trims_and_the_run_its_error(panel):
     page.get_by_test_id("glide-polar-open").click()
     expect(page.get_by_test_id("glide-polar-trim")).to_have_count(2)
     expect(page.get_by_test_id("glide-polar-legend")).to_contain_text("Best range")
+    counts = [page.locator(f"#glide-polar-plot {mark}").count() for mark in ("circle.only", "svg")]
+    expect(page.get_by_test_id("glide-polar-words")).to_contain_text("6 lines and 2 single points")
+    assert counts == [2, 1]
     page.get_by_test_id("polar-page-forces").check(force=True)
     attack = math.degrees(page.evaluate("() => window.__studio.consequences.holds[0].trim.angle_of_attack"))
     expect(page.get_by_test_id("polar-trim").first).to_contain_text(f"trim held 0–10 s, at {attack:.2f}°")

@@ -148,6 +148,10 @@ def test_the_page_tells_moments_as_the_server_does(bare, program):
         value, unit = page.split()
         assert (f"{float(value):.4g} {unit}" if unit == "s" else page) == told
     expect(bare.get_by_test_id("readout-end-time")).to_have_text("16:00")
+    sentence = "at -6.4 % L, from -0.5 to (-2) of 0-90 deg in 2026-11-26, 1e-5"
+    minus = "text => import('../../static/format.js').then((format) => format.trueMinus(text))"
+    found = bare.evaluate(minus, sentence)
+    assert found == "at −6.4 % L, from −0.5 to (−2) of 0-90 deg in 2026-11-26, 1e-5".replace("−", "\u2212")
     expect(bare.locator("#warnings summary", has_text="margin in pitch")).to_contain_text("0:16 to 0:32 min")
     ticks = "import('../../static/timescale.js').then((m) => m.timeTicks({ from: 60, to: 150, end: 960 }, 6))"
     assert bare.evaluate(f"() => {ticks}.then((t) => t.values.map(t.tell))") == [

@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -102,6 +103,26 @@ def test_outliers_are_told_to_lie_beyond() -> None:
     scale = scale_of(changed_run, "speed")
     assert scale is not None and scale.above and scale.below
     assert 1.0 < scale.low < scale.high < 2.1
+
+
+@pytest.mark.parametrize(
+    ("values", "low", "high"),
+    [
+        ((1.4e-16, 0.5, 2.0), 0.0, 2.0),  # what sums leave over
+        ((-2.0, -0.5, -1.4e-16), -2.0, 0.0),
+        ((-3e-17, 0.0, 1.4e-16), 0.0, 0.0),
+        ((5.0, 5.0 + 1e-10, 5.0 - 1e-10), 5.0 - 1e-10, 5.0 - 1e-10),
+        ((1e-6, 2e-6, 3e-6), 1e-6, 3e-6),  # little, yet there
+    ],
+)
+def test_rounding_errors_are_no_end_of_a_scale_and_no_colours(
+    run: Run, values: tuple[float, ...], low: float, high: float
+) -> None:
+    drawn = np.resize(values, len(run.times))
+    changed_run = replace(run, values={**run.values, "net_buoyancy": drawn})
+    scale = scale_of(changed_run, "net_buoyancy")
+    assert scale is not None and (scale.low, scale.high) == (low, high)
+    assert len(np.unique(colors_of(drawn, scale), axis=0)) == (1 if low == high else len(values))
 
 
 def test_each_segment_of_the_path_has_the_colours_of_its_ends(run: Run) -> None:
