@@ -34,8 +34,8 @@ class Problem:
         return asdict(self)
 
     def __str__(self) -> str:
-        parts = f"{self.pointer or '/'}: {self.message}"
-        return f"{parts} ({self.hint})" if self.hint else parts
+        said = f"{self.message} ({self.hint})" if self.hint else self.message
+        return f"{self.pointer}: {said}" if self.pointer else said
 
 
 class DesignError(ValueError):

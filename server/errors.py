@@ -75,10 +75,7 @@ def design_problem(error: DesignError) -> Response:
 
 def _detail(problems: Sequence[Problem]) -> str:
     """Return the one thing that is wrong, or how many there are."""
-    if len(problems) != 1:
-        return f"{len(problems)} errors"
-    # the whole document needs no pointer
-    return str(problems[0]) if problems[0].pointer else str(problems[0]).removeprefix("/: ")
+    return str(problems[0]) if len(problems) == 1 else f"{len(problems)} errors"
 
 
 def quota_problem(error: QuotaError) -> Response:

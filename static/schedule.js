@@ -37,14 +37,6 @@ export function pointsPatch(schedule, value) {
   return [{ op: "replace", path: `${ROOT}/${schedule.index}/points`, value }];
 }
 
-// Other schedules are replaced in place before new ones are added; one that goes would shift the rest, so it is last.
-export function schedulesPatch(changes) {
-  const patches = changes.map(([schedule, points]) => [schedule.index ?? -1, pointsPatch(schedule, points)]);
-  const gone = ([, patch]) => patch.some(({ op }) => op === "remove");
-  const going = patches.filter(gone).sort(([a], [b]) => b - a);
-  return [...patches.filter((each) => !gone(each)), ...going].flatMap(([, patch]) => patch);
-}
-
 // How far the chosen points of a schedule may move in time without overtaking the others, or leaving the mission.
 export function timeRoom(points, chosen, duration) {
   let [low, high] = [-Infinity, Infinity];

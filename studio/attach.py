@@ -53,8 +53,7 @@ def attach(options: Namespace) -> int:
 
 
 def _line(problem: Problem) -> str:
-    problem = replace(problem, hint=AS_OPTIONS.get(problem.hint, problem.hint))
-    return str(problem) if problem.pointer else str(problem).removeprefix("/: ")
+    return str(replace(problem, hint=AS_OPTIONS.get(problem.hint, problem.hint)))
 
 
 def _changed(design: Design, options: Namespace, told: list[str]) -> Design:

@@ -236,7 +236,7 @@ def _no_glider(request: Request, error: DesignError, back: str) -> Response:
     if (named := RUN.fullmatch(request.query_params.get("run", ""))) is not None:
         title = f"Case {int(named[2])} cannot be opened"
         detail = f"{detail} The page of its job shows the values of all cases, and opens those that went well."
-    errors = [str(p) if p.pointer else str(p).removeprefix("/: ") for p in error.problems[:10]]
+    errors = [str(problem) for problem in error.problems[:10]]
     return problem_page(request, 422, title, detail, errors=errors, action=back)
 
 

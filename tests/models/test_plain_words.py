@@ -6,7 +6,7 @@ import copy
 
 import pytest
 
-from models.problems import DesignError
+from models.problems import DesignError, Problem
 from server.jobs.spec import parse_spec
 from tests.server.test_batch_spec import DENSITY, EXAMPLES, document, drawn, factorial, monte_carlo, ranged, refused
 
@@ -63,3 +63,9 @@ def test_no_document_is_answered_in_the_words_of_a_library(name, odd):
         except DesignError as error:
             for problem in error.problems:
                 assert not any(words in problem.message for words in PYDANTICS_OWN), problem
+
+
+def test_only_what_is_at_a_place_names_it():
+    assert str(Problem("/vehicle", "too much", hint="send less")) == "/vehicle: too much (send less)"
+    assert str(Problem("", "too much", hint="send less")) == "too much (send less)"
+    assert str(DesignError([Problem("", "no"), Problem("/x", "too much")])) == "no; /x: too much"
