@@ -14,7 +14,7 @@ import { Snap } from "./snap.js";
 
 const HEIGHTS = [[2, 34], [3, 22], [Infinity, 20]]; // up to how many lanes, how high each is
 const MANY = 4; // lanes: from here on the timeline is taller
-const NAMES = { least: 206, most: 290, spare: 6 }; // px of the column of names
+const NAMES = { least: 206, most: 290, spare: 6 }; // px of the column of names, where there is room
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const FAST = 10;
 const KEYS = [
@@ -106,7 +106,7 @@ export class LaneSet {
     this.showChosen();
   }
 
-  // The column is as wide as the longest name asks for, up to a limit; measured only when there are others.
+  // The column is as wide as the longest name asks for, as far as timeline.css leaves it room; measured only when there are others.
   fitNames(names) {
     if (names === this.named) return;
     this.named = names;

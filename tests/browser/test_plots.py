@@ -112,6 +112,16 @@ def test_many_lanes_scroll_and_leave_the_plots_their_height(program, bare):
     expect(bare.locator("#time-axis")).to_be_in_viewport(ratio=1.0)
     labels = bare.locator(".lane-row .label")
     assert max(box["width"] for node in labels.all() if (box := node.bounding_box())) <= 290.0
+    # the split between scene and timeline is moved, and stays where it was put
+    split, timeline = bare.get_by_test_id("split-bottom"), bare.locator("#timeline")
+    before = timeline.evaluate("node => node.clientHeight")
+    for _ in range(3):
+        split.press("ArrowUp")
+    bare.reload()
+    bare.wait_for_function("() => window.__studio?.state?.run")
+    assert timeline.evaluate("node => node.clientHeight") == pytest.approx(before + 48, abs=2)
+    bare.set_viewport_size({"width": 1024, "height": 720})  # names take no room that the plots need
+    assert bare.locator("#ruler-label").evaluate("node => node.offsetWidth") == 206
 
 
 KEPT_LOOKS = """() => window.__studio.timeline.plots.rows[0].plot.series.map(
