@@ -17,7 +17,7 @@ from models.hydrodynamics import PolarTable
 from models.hydrodynamics_coefficients import CoefficientForm
 from models.mass_properties import MassBalance, inertia_matrix, mass_balance, smallest_moment
 from models.problems import Problem, pointer_to
-from models.stray_parts import stray_parts
+from models.stray_parts import POINTS, stray_parts
 from models.water import gravity_of, surface_density, unstable_layers
 
 
@@ -60,9 +60,9 @@ def _far_off(design: Design, balance: MassBalance) -> Iterator[Problem]:
     for stray in stray_parts(design.vehicle, balance.volume):
         name, length = design.vehicle.components[stray.component].name, stray.vehicle_length
         yield Problem(
-            pointer_to("vehicle", "components", stray.component, "position", stray.axis),
-            f"'{name}' is far off the vehicle: its position {'xyz'[stray.axis]} is {stray.position:.6g} m, and without "
-            f"it the vehicle is {length:.3g} m long",
+            pointer_to("vehicle", "components", stray.component, stray.field, stray.axis),
+            f"'{name}' is far off the vehicle: its {POINTS[stray.field]} {'xyz'[stray.axis]} is {stray.place:.6g} m, "
+            f"and without it the vehicle is {length:.3g} m long",
             limit=length, hint="check the number and its unit",
         )  # fmt: skip
 

@@ -6,23 +6,26 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from models.components import Component
+from models.components import Component, RollingMass
 from models.design import Vehicle
 from models.vehicle_length import SHORTEST, extent_along_x, span_along_x
 
 SLENDER = 5.0
 """Length of a slender body, ten times as long as wide, by the cube root of its volume."""
+POINTS = {"position": "position", "center_of_mass": "centre of mass", "pivot": "pivot"}
+"""Fields that say where a part is, in words."""
 FAR = 3.0
 """How many times the vehicle's size a part lies from the middle of all to be far off."""
 
 
 @dataclass(frozen=True, slots=True)
 class StrayPart:
-    """A part's position along one axis (0 to 2), m, and the length of the vehicle without the parts that stray, m."""
+    """One of a part's `POINTS` along one axis (0 to 2), m, and the vehicle's length without the parts that stray, m."""
 
     component: int
+    field: str
     axis: int
-    position: float
+    place: float
     vehicle_length: float
 
 
@@ -32,27 +35,32 @@ def stray_parts(vehicle: Vehicle, volume: float) -> Iterator[StrayPart]:
     Its size is told without positions, which may be the wrong ones: from its volume, or by its longest part.
     """
     parts = vehicle.components
-    size = max([SLENDER * math.cbrt(max(volume, 0.0)), *(_longest_shape(part) for part in parts)])
+    by_volume = SLENDER * math.cbrt(max(volume, 0.0))
+    if max(abs(v) for part in parts for _, point in _points(part) for v in point) <= 0.5 * FAR * by_volume:
+        return  # the usual case: all are near the body origin, and so near each other
+    size = max(by_volume, *(_longest_shape(part) for part in parts))
     far = FAR * size
-    if all(_width(parts, axis) <= far for axis in range(3)):
-        return
     middle = min(parts, key=lambda part: (math.fsum(_apart(part, other) for other in parts), -part.mass))
     near = [part for part in parts if _apart(part, middle) <= far]
     length = extent_along_x(near)
     for i, part in enumerate(parts):
-        for axis, (place, center) in enumerate(zip(part.position, middle.position, strict=True)):
-            if abs(place - center) > far:
-                yield StrayPart(i, axis, place, length if length > SHORTEST else size)
+        for field, point in _points(part):
+            for axis, (place, center) in enumerate(zip(point, middle.position, strict=True)):
+                if abs(place - center) > far:
+                    yield StrayPart(i, field, axis, place, length if length > SHORTEST else size)
+
+
+def _points(part: Component) -> Iterator[tuple[str, tuple[float, float, float]]]:
+    yield "position", part.position
+    if part.center_of_mass is not None:
+        yield "center_of_mass", part.center_of_mass
+    if isinstance(part, RollingMass):
+        yield "pivot", part.pivot
 
 
 def _longest_shape(part: Component) -> float:
     spans = [span_along_x(part, shape) for shape in getattr(part, "shapes", ())]
     return max((high - low for low, high in spans), default=0.0)
-
-
-def _width(parts: tuple[Component, ...] | list[Component], axis: int) -> float:
-    places = [part.position[axis] for part in parts]
-    return max(places) - min(places)
 
 
 def _apart(one: Component, other: Component) -> float:

@@ -218,12 +218,16 @@ def test_a_part_kilometres_off_the_hull_is_warned_of_with_the_length(component, 
     assert float(message.split("the vehicle is ")[1].split()[0]) <= length * 1.01
 
 
-def test_a_pair_far_off_is_warned_of_twice_and_a_part_without_neighbours_not_at_all():
+def test_both_of_a_pair_far_off_are_warned_of_and_one_of_two_parts():
     told = far_off(moved("quad-bellows-spiral", (4, 1, -2000.0), (5, 1, 2000.0)))
     assert told.keys() == {f"/vehicle/components/{i}/position/1" for i in (4, 5)}
     assert all(message.endswith("without it the vehicle is 2 m long") for message in told.values())
     assert far_off(moved("quad-bellows-spiral", (4, 0, 4.0))) == {}  # odd, not absurd
-    alone = document(BODY | {"name": "Keel", "position": [0.0, 0.0, 0.3]}, body=BODY | {"position": [900.0, 0.0, 0.0]})
-    alone["mission"]["control"] = {}
-    (pointer,) = far_off(parse_design(alone))
-    assert pointer in {f"/vehicle/components/{i}/position/0" for i in range(2)}
+    changed = load_preset("quad-bellows-spiral").model_dump(mode="json")
+    changed["vehicle"]["components"][0]["center_of_mass"] = [0.0, 0.0, 3000.0]
+    (told,) = far_off(parse_design(changed)).items()
+    assert told[0] == "/vehicle/components/0/center_of_mass/2" and "its centre of mass z is 3000 m" in told[1]
+    plain = BODY | {"center_of_mass": None}
+    two = document(plain | {"name": "Keel", "mass": 0.5, "position": [900.0, 0.0, 0.3]}, body=plain)
+    two["mission"]["control"] = {}
+    assert far_off(parse_design(two)).keys() == {"/vehicle/components/1/position/0"}  # of two, the lighter one
