@@ -131,7 +131,7 @@ export class PathPlot {
     context.lineJoin = "round";
     this.drawOutside(context);
     for (const way of this.kept) this.drawWay(context, { ...way, width: 1.4, dash: [6, 3] });
-    this.drawWay(context, { across: this.column("across"), along: this.column("along"), color: cssColor("--depth"), width: 2, dash: [] });
+    this.drawWay(context, { across: this.column("across"), along: this.column("along"), color: cssColor(this.kept.length ? "--present" : "--depth"), width: 2, dash: [] });
   }
 
   // Where samples left the data which the forces come from: a hatched band under the path, as the plots' hatched ground.

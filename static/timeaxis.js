@@ -3,7 +3,7 @@
 import { cssColor, prepare } from "./plotcanvas.js";
 import { timeTicks } from "./timescale.js";
 
-const CLOSE = 34; // pixels between a number and the edge at which it is drawn inwards
+const EDGE = 2; // pixels between a number and the edge, at which it is drawn inwards
 
 export function drawTimeAxis(canvas, scale) {
   const context = prepare(canvas, scale.width, canvas.parentElement.clientHeight);
@@ -11,7 +11,10 @@ export function drawTimeAxis(canvas, scale) {
   context.fillStyle = cssColor("--faint");
   context.textBaseline = "top";
   context.textAlign = "center";
-  for (const t of times.values) context.fillText(times.tell(t), Math.min(scale.x(t), scale.width - CLOSE / 2), 4);
+  for (const t of times.values) {
+    const text = times.tell(t);
+    context.fillText(text, Math.min(scale.x(t), scale.width - EDGE - context.measureText(text).width / 2), 4);
+  }
   context.textAlign = "right";
   context.fillText(`t (${times.symbol})`, scale.left - 16, 4);
 }
