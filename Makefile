@@ -1,6 +1,7 @@
 # Two commands: `make studio` starts the studio, `make test` runs every check. Both set the environment up first.
 PYTHON ?= python3
 VENV ?= .venv
+PROCESSES ?= 2
 BIN := $(VENV)/bin
 
 .PHONY: studio test setup setup-dev lint unit browser-tests chromium postgres openssl warm bench docs presets lock clean
@@ -32,11 +33,13 @@ lint:
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# A file's tests stay together, for they share what is slow to set up. Those in the browser come last, beside no others.
 unit:
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(PROCESSES) --dist loadfile --ignore=tests/browser
+	$(BIN)/python -m pytest -n $(PROCESSES) --dist loadfile tests/browser
 
 browser-tests: setup-dev chromium
-	$(BIN)/python -m pytest tests/browser
+	$(BIN)/python -m pytest -n $(PROCESSES) --dist loadfile tests/browser
 
 # Debian's Chromium drives the browser tests; installed where that is allowed, else the tests say that it is missing.
 chromium:
