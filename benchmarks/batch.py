@@ -165,7 +165,11 @@ def main() -> None:
             rk4 = {"method": "rk4"}
             compare(jobs, "planar, RK4 at 1 ms", planar(**rk4, step=1e-3), 10_000, target="at least 1.8x")
             compare(jobs, "spatial, RK4 at 20 ms", spatial(**rk4, step=0.02), 2_000, target="at least 1.8x")
-            for label, design, cases in (("planar", planar(), 10_000), ("spatial", spatial(), 2_000)):
+            for label, design, cases in (
+                ("planar, 20 s", planar(), 10_000),
+                ("planar, 130 s", load_preset("three-cell-glider"), 10_000),
+                ("spatial, 240 s", spatial(), 2_000),
+            ):
                 compare(jobs, f"{label}, adaptive", design, cases, target="at least 1.8x")
                 report_chunk(f"{label}, adaptive", design)
         finally:

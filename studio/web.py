@@ -114,10 +114,11 @@ def get_index(request: Request, settings: SettingsNow) -> Response:
 
 
 @pages.get("/static/{name}")
-async def get_static(name: str, request: Request) -> Response:
-    """Answer one of the page's files."""
+@pages.get("/static/{release}/{name}")
+async def get_static(name: str, request: Request, release: str | None = None) -> Response:
+    """Answer one of the page's files; under the release that pages name it may be kept for good."""
     try:
-        return static_file(name, request.headers.get("if-none-match"))
+        return static_file(name, request.headers.get("if-none-match"), release)
     except KeyError:
         raise HTTPException(404) from None
 

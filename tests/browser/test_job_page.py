@@ -150,7 +150,7 @@ def test_a_job_that_knows_enough_is_a_success(program, watched, api):
 def test_a_page_of_the_first_cases_says_so(program, page, api, swept):
     """As of a job of more cases than a page holds: the figures beside bars are of those bars."""
     kind = "text/javascript"
-    page.route("**/static/jobdata.js", lambda route: route.fulfill(body=few(route.fetch().text()), content_type=kind))
+    page.route("**/jobdata.js", lambda route: route.fulfill(body=few(route.fetch().text()), content_type=kind))
     opened(page, program, swept)
     expect(page.get_by_test_id("part-of-all")).to_contain_text(f"the first 7 of {SLIGHTLY} cases")
     expect(page.get_by_test_id("spread-note")).to_have_text(f"Of the first 7 of {SLIGHTLY} cases.")

@@ -160,6 +160,9 @@ def test_without_the_hook_the_server_moves_the_scene(program, page):
     frame.wait_for_function(f"() => Math.abs(({depth})() - {expected}) < 1e-3")
 
 
+SCHEME = "() => [document.documentElement.dataset.theme, getComputedStyle(document.body).backgroundColor]"
+
+
 def downloaded(page: Page, item: str, path: Path) -> Path:
     page.get_by_test_id("export").click()
     with page.expect_download() as download:
@@ -243,17 +246,21 @@ def test_glides_are_kept_named_referred_to_and_deleted(panel):
     panel.wait_until(lambda: page.evaluate("() => window.__studio.view.ghost") is None)
 
 
-def test_light_and_dark_are_chosen_and_remembered(studio_alone):
-    page = studio_alone.page
-    scheme = "() => [document.documentElement.dataset.theme, getComputedStyle(document.body).backgroundColor]"
-    assert page.evaluate(scheme)[0] == "dark"
+def test_light_and_dark_are_chosen_and_remembered(panel):
+    page = panel.page
+    assert page.evaluate(SCHEME)[0] == "dark"
     page.get_by_test_id("theme").click()
-    chosen, color = page.evaluate(scheme)
+    chosen, color = page.evaluate(SCHEME)
     assert chosen == "light" and color == "rgb(238, 242, 246)"
-    studio_alone.scene("() => document.documentElement.getAttribute('data-mantine-color-scheme') === 'light'")
-    page.goto(studio_alone.url)
-    StudioPage(page)
-    assert page.evaluate(scheme) == ["light", color]
+    page.goto(panel.url)
+    PanelPage(page)
+    assert page.evaluate(SCHEME) == ["light", color]
+
+
+def test_the_scene_is_light_or_dark_with_the_page(studio):
+    for scheme in ("light", "dark"):
+        studio.page.get_by_test_id("theme").click()
+        studio.scene(f"() => document.documentElement.getAttribute('data-mantine-color-scheme') === '{scheme}'")
 
 
 def test_columns_are_resized_by_pointer_and_keys_and_remembered(panel):

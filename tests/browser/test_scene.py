@@ -248,8 +248,8 @@ def test_depths_in_the_water_never_lie_over_each_other(turning):
     turning.wait_until(lambda: sum(name.startswith("/world/room") for name in labels_in_sight(turning)) > 4)
 
 
-def test_a_low_scene_begins_with_its_legend_in_one_row(studio_alone):
-    page = studio_alone.page
+def test_a_low_scene_begins_with_its_legend_in_one_row(panel):
+    page = panel.page
     fold, lift = page.get_by_test_id("legend-fold"), page.get_by_test_id("force-lift")
     expect(lift).to_be_visible()
     page.set_viewport_size({"width": 1280, "height": 600})

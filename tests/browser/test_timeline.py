@@ -135,7 +135,8 @@ def test_a_refused_number_stays_in_its_popup_with_the_reason(lake):
 def test_a_point_is_typed_in_the_unit_of_the_fields(lake):
     page = lake.page
     extension = lake.points("Front bellows")[1]["extension"]
-    choose = "symbol => import('../../static/unitchoice.js').then(units => units.chooseUnit('length', symbol))"
+    beside = "new URL('unitchoice.js', document.querySelector('script[type=module]').src)"
+    choose = f"symbol => import({beside}).then(units => units.chooseUnit('length', symbol))"
     for symbol, per, typed in (("cm", 1e2, 0.017), ("m", 1.0, 0.0165)):
         page.evaluate(choose, symbol)
         lake.point("Front bellows", 1).focus()

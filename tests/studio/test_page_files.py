@@ -10,7 +10,7 @@ from urllib.parse import urljoin
 
 import pytest
 
-from studio.page_files import STATIC, file_page, imported_by
+from studio.page_files import STATIC, file_page, imported_by, release_of_files
 from tests.studio.conftest import Studio
 
 PAGES = {"studio.html": "main.js", "index.html": "index.js", "jobs.html": "jobs.js", "job.html": "job.js"}
@@ -88,7 +88,31 @@ def test_a_module_that_changes_changes_what_is_announced(tmp_path: Path, monkeyp
     (tmp_path / "index.html").write_text('<script type="module" src="static/a.js"></script>')
     (tmp_path / "a.js").write_text('import { b } from "./b.js";\n')
     (tmp_path / "b.js").write_text("export const b = 1;\n")
-    assert links_of(bytes(file_page("index.html", {}).body).decode()).announced == ["static/b.js"]
+    before = release_of_files()
+    assert links_of(bytes(file_page("index.html", {}).body).decode()).announced == [f"static/{before}/b.js"]
     (tmp_path / "c.js").write_text('import "./b.js";\n')
     (tmp_path / "b.js").write_text('export {\n  c,\n} from "./c.js";\n')
-    assert links_of(bytes(file_page("index.html", {}).body).decode()).announced == ["static/b.js", "static/c.js"]
+    now = release_of_files()
+    assert now != before
+    announced = links_of(bytes(file_page("index.html", {}).body).decode()).announced
+    assert announced == [f"static/{now}/b.js", f"static/{now}/c.js"]
+
+
+def test_what_a_page_names_is_kept_for_good_until_a_file_changes(
+    studio: Studio, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a.css").write_text("a {}")
+    (tmp_path / "index.html").write_text('<link rel="stylesheet" href="static/a.css">')
+    monkeypatch.setattr("studio.page_files.STATIC", tmp_path)
+    with studio.client as client:
+        first = release_of_files()
+        assert f'href="static/{first}/a.css"' in client.get("/").text
+        assert "immutable" in client.get(f"/static/{first}/a.css").headers["cache-control"]
+        assert client.get("/static/a.css").headers["cache-control"] == "no-cache"
+        (tmp_path / "a.css").write_text("b {}")
+        late = client.get(f"/static/{first}/a.css")
+        assert (late.text, late.headers["cache-control"]) == ("b {}", "no-cache"), (
+            "an old page gets it, and keeps nothing"
+        )
+        assert f'href="static/{release_of_files()}/a.css"' in client.get("/").text
+        assert client.get(f"/static/{first}/none.css").status_code == 404
