@@ -1,8 +1,8 @@
-// Every call about jobs in one place. Addresses follow from where this module lies, so any base path works.
+// Every call about jobs in one place. Addresses follow from where the program is, so any base path works.
 
 import { call } from "./api.js";
+import { ROOT } from "./root.js";
 
-const ROOT = new URL("..", import.meta.url);
 const API = new URL("api/v1/", ROOT);
 
 const address = (path) => new URL(path, API).href;

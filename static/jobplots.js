@@ -1,8 +1,9 @@
 // The chart library: loaded when first needed, dressed in the page's own variables, without controls of its own.
 
 import { cssColor } from "./plotcanvas.js";
+import { ROOT } from "./root.js";
 
-const ADDRESS = new URL("../vendor/plotly.min.js", import.meta.url).href;
+const ADDRESS = new URL("vendor/plotly.min.js", ROOT).href;
 const FONT = '-apple-system, BlinkMacSystemFont, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif';
 const CONFIG = { displayModeBar: false, responsive: false, doubleClick: "reset", showTips: false, displaylogo: false };
 // The library brings the style of maps, which no chart here is: where this element is, it believes that it has done so.

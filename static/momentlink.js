@@ -2,6 +2,7 @@
 
 import { $, setText } from "./dom.js";
 import { clockText } from "./format.js";
+import { ROOT } from "./root.js";
 import { designLink } from "./stored.js";
 
 const SECONDS = 2; // digits of a link's time
@@ -11,7 +12,7 @@ function linkTo(origin, t) {
   const moment = { t: Number(t.toFixed(SECONDS)) };
   if (origin?.kind === "stored") return designLink(origin.design_id, { revision: origin.revision, ...moment });
   if (origin?.kind !== "case") return null;
-  return new URL(`../d?${new URLSearchParams({ run: `${origin.job_id}.${origin.case}`, ...moment })}`, import.meta.url).href;
+  return new URL(`d?${new URLSearchParams({ run: `${origin.job_id}.${origin.case}`, ...moment })}`, ROOT).href;
 }
 
 const nameOf = (origin) => (origin.kind === "stored" ? `revision ${origin.revision}` : `case ${origin.case} of the job`);

@@ -1,9 +1,11 @@
 // The sessions this browser opened last: kept by the browser, as the server has no list of who opened what.
 
+import { ROOT } from "./root.js";
+
 const MOST = 8;
 
 // Two studios on one host under different paths keep separate lists.
-const KEY = `glider-studio.recent:${new URL("..", import.meta.url).pathname}`;
+const KEY = `glider-studio.recent:${ROOT.pathname}`;
 
 // Storage may be refused, full, or hold anything: then there is no list, and everything else works.
 export function recentSessions() {

@@ -4,10 +4,11 @@ import { saveDesign } from "./api.js";
 import { $, setText } from "./dom.js";
 import { dayAndTime } from "./format.js";
 import { problemNodes } from "./problem.js";
+import { ROOT } from "./root.js";
 
 export const designLink = (id, query = {}) => {
   const given = new URLSearchParams(query).toString();
-  return new URL(`../d/${encodeURIComponent(id)}${given ? `?${given}` : ""}`, import.meta.url).href;
+  return new URL(`d/${encodeURIComponent(id)}${given ? `?${given}` : ""}`, ROOT).href;
 };
 
 const isSaved = ({ origin }) => origin?.kind === "stored" && !origin.changed;
