@@ -1,5 +1,6 @@
 // Other extensions for one hold of the schedule, as JSON Patch operations. A pure function.
 
+import { pointsPatch } from "./schedule.js";
 import { commandAt } from "./schedulecopy.js";
 
 const CLOSE = 1e-6; // s, within which two times are one
@@ -19,11 +20,13 @@ function heldPoints({ points, initial }, [from, to], extension, duration) {
 }
 
 export function holdPatch({ schedules, duration }, span, extensions) {
+  const whole = span[0] < CLOSE && span[1] > duration - CLOSE;
   return schedules.filter(({ cell }) => cell in extensions).flatMap((schedule) => {
-    const { cell, index, points, initial } = schedule;
+    const { cell, points, initial } = schedule;
     const extension = extensions[cell];
-    if (!points.length) return Math.abs(initial - extension) < SAME ? [] : [{ op: "add", path: `/mission/initial/extensions/${escaped(cell)}`, value: extension }];
     if (Math.abs(commandAt(points, initial, span[0] + CLOSE) - extension) < SAME) return [];
-    return [{ op: "replace", path: `/mission/control/schedules/${index}/points`, value: heldPoints(schedule, span, extension, duration) }];
+    // A cell that never moves needs no schedule to be elsewhere all along.
+    if (!points.length && whole) return [{ op: "add", path: `/mission/initial/extensions/${escaped(cell)}`, value: extension }];
+    return pointsPatch(schedule, heldPoints(schedule, span, extension, duration));
   });
 }

@@ -30,16 +30,17 @@ BODY_X = "/vehicle/components/1/position/0"
 HELD = """async ([points, span, extension, duration]) => {
   const { holdPatch } = await import("/static/holdpatch.js");
   const { commandAt } = await import("/static/schedulecopy.js");
-  const schedules = [{ cell: "Cell", index: 3, points, initial: 0.5 }];
+  const schedules = [{ cell: "Cell", index: points.length ? 3 : null, points, initial: 0.5 }];
   const [operation, ...more] = holdPatch({ schedules, duration }, span, { Cell: extension });
   const times = Array.from({ length: 1000 }, (_, i) => ((i + 0.5) * duration) / 1000);
   const inside = (t) => t > span[0] && t < span[1];
-  const now = (t) => commandAt(operation.value, 0.5, t);
+  const value = operation.value.points ?? operation.value;
+  const now = (t) => commandAt(value, 0.5, t);
   return {
     operation: [operation.op, operation.path, more.length],
     held: times.filter(inside).every((t) => Math.abs(now(t) - extension) < 1e-12),
     kept: times.filter((t) => !inside(t)).every((t) => Math.abs(now(t) - commandAt(points, 0.5, t)) < 1e-12),
-    rising: operation.value.every((p, k) => k === 0 || p.time > operation.value[k - 1].time),
+    rising: value.every((p, k) => k === 0 || p.time > value[k - 1].time),
   };
 }"""
 
@@ -154,6 +155,8 @@ HOLDS: dict[str, tuple[list[dict[str, object]], tuple[float, float]]] = {
     "across holds": ([step(0.0, 0.1), step(100.0, 0.2), step(200.0, 0.3)], (50.0, 150.0)),
     "to the end": ([step(0.0, 0.1), step(60.0, 0.2), step(120.0, 0.1)], (30.0, 300.0)),
     "before the first point": ([step(120.0, 0.1)], (0.0, 120.0)),
+    "a cell without a schedule": ([], (0.0, 120.0)),
+    "such a cell later": ([], (40.0, 120.0)),
     "after a ramp": ([step(10.0, 0.1), step(40.0, 0.1) | {"shape": "ramp"}], (100.0, 250.0)),
 }
 
@@ -162,7 +165,8 @@ def test_a_wanted_glide_holds_in_its_span_alone(program, bare):
     bare.goto(program.url)
     for name, (points, span) in HOLDS.items():
         found = bare.evaluate(HELD, [points, span, 0.7, 300.0])
-        assert found.pop("operation") == ["replace", "/mission/control/schedules/3/points", 0], name
+        path = "/mission/control/schedules/3/points" if points else "/mission/control/schedules/-"
+        assert found.pop("operation") == ["replace" if points else "add", path, 0], name
         assert found == {"held": True, "kept": True, "rising": True}, name
 
 
