@@ -1,11 +1,11 @@
 // Other extensions for one hold of the schedule, as JSON Patch operations. A pure function.
 
+import { join } from "./fieldschema.js";
 import { pointsPatch } from "./schedule.js";
 import { commandAt } from "./schedulecopy.js";
 
 const CLOSE = 1e-6; // s, within which two times are one
 const SAME = 1e-9; // m or rad
-const escaped = (name) => name.replaceAll("~", "~0").replaceAll("/", "~1");
 
 // The points in the hold take the new extension, one is added where it begins; where it ends the old command goes on.
 function heldPoints({ points, initial }, [from, to], extension, duration) {
@@ -26,7 +26,7 @@ export function holdPatch({ schedules, duration }, span, extensions) {
     const extension = extensions[cell];
     if (Math.abs(commandAt(points, initial, span[0] + CLOSE) - extension) < SAME) return [];
     // A cell that never moves needs no schedule to be elsewhere all along.
-    if (!points.length && whole) return [{ op: "add", path: `/mission/initial/extensions/${escaped(cell)}`, value: extension }];
+    if (!points.length && whole) return [{ op: "add", path: join("/mission/initial/extensions", cell), value: extension }];
     return pointsPatch(schedule, heldPoints(schedule, span, extension, duration));
   });
 }

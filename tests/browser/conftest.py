@@ -18,7 +18,7 @@ from server.settings import Settings
 from studio.serve import Server, make_app, uvicorn_config
 from tests.browser.jobs_support import api, partial, swept, watched  # noqa: F401
 from tests.browser.panel_page import PanelPage
-from tests.browser.studio_page import StudioPage, document_of
+from tests.browser.studio_page import SIZE, StudioPage, document_of
 from tests.studio.spiral import spiral_document
 
 FLAGS = [
@@ -88,7 +88,7 @@ def browser() -> Iterator[Browser]:
 @pytest.fixture(scope="package")
 def context(browser: Browser) -> Iterator[BrowserContext]:
     """What all tabs share, as one person's do: files that were loaded before, with which a page opens sooner."""
-    opened = browser.new_context(viewport={"width": 1400, "height": 900}, color_scheme="dark")
+    opened = browser.new_context(viewport=SIZE, color_scheme="dark")
     opened.set_default_timeout(60_000)
     yield opened
     opened.close()
