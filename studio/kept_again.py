@@ -26,18 +26,24 @@ class KeptAgain:
         self._kept, self._limits, self._on_done = kept, limits, on_done
         self._control = Control()
         self._thread: threading.Thread | None = None
+        self._beginning = threading.Lock()
 
     def start(self) -> None:
-        """Begin, where there is anything to compute and nobody has begun; the kernel must be ready."""
-        if self._thread is None and any(kept.state == "computing" for kept in self._kept):
-            self._thread = threading.Thread(target=self._work, name="kept-again", daemon=True)
-            self._thread.start()
+        """Begin, where there is anything to compute and nobody has begun or closed; the kernel must be ready."""
+        with self._beginning:
+            if self._thread is not None or self._control.cancelled:
+                return
+            if any(kept.state == "computing" for kept in self._kept):
+                self._thread = threading.Thread(target=self._work, name="kept-again", daemon=True)
+                self._thread.start()
 
     def close(self) -> None:
         """Stop; a run that is being computed is cancelled, and stays in the file."""
-        self._control.cancel()
-        if self._thread is not None:
-            self._thread.join(timeout=5.0)
+        with self._beginning:  # either the thread runs and is told, or it never begins
+            self._control.cancel()
+            thread = self._thread
+        if thread is not None:
+            thread.join(timeout=5.0)
 
     def _work(self) -> None:
         for kept in self._kept:

@@ -229,6 +229,46 @@ def test_a_run_that_is_deleted_while_it_is_computed_stays_deleted(
     assert list(kept) == []
 
 
+def test_a_close_while_it_begins_waits_for_it_and_none_begins_after(
+    kernel: None, dual_bellows: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = KeptRuns()
+    before.keep(simulate(dual_bellows))
+    kept = KeptRuns(read_saved(orjson.loads(orjson.dumps(saved_document(before.saved())))))
+    about_to_begin, go_on, begin = threading.Event(), threading.Event(), threading.Thread.start
+    slips: list[str] = []
+
+    def slow_start(thread: threading.Thread) -> None:
+        if thread.name == "kept-again":
+            about_to_begin.set()
+            assert go_on.wait(20.0)
+        begin(thread)
+
+    def closed() -> None:
+        try:
+            again.close()
+        except RuntimeError as error:
+            slips.append(str(error))
+
+    monkeypatch.setattr(threading.Thread, "start", slow_start)
+    again = KeptAgain(kept, limits=DEFAULT_LIMITS, on_done=lambda: None)
+    starter, closer = threading.Thread(target=again.start), threading.Thread(target=closed)
+    starter.start()
+    assert about_to_begin.wait(20.0)
+    closer.start()
+    time.sleep(0.05)  # time enough for the close to come to its thread
+    go_on.set()
+    for thread in (starter, closer):
+        thread.join(20.0)
+        assert not thread.is_alive()
+    assert slips == [] and "kept-again" not in {thread.name for thread in threading.enumerate()}
+
+    late = KeptAgain(kept, limits=DEFAULT_LIMITS, on_done=lambda: None)
+    late.close()
+    late.start()
+    assert "kept-again" not in {thread.name for thread in threading.enumerate()}
+
+
 def test_files_from_before_runs_were_kept_open(
     folder: Path, dual_bellows: Design, open_again: Callable[..., OpenSession]
 ) -> None:
