@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from xdist.remote import Producer
+from xdist.scheduler import LoadFileScheduling
 
 from models.warm import warm_kernel
 from server.settings import Settings
@@ -35,6 +37,23 @@ EMPTY_VIEW = """(() => {
   };
   Object.defineProperty(HTMLIFrameElement.prototype, "src", { ...src, set });
 })()"""
+
+
+GROUPS = {"scene": ("scene", "turning", "view"), "jobs": ("jobs", "job_page")}
+"""Files of tests that share what is slow to set up, such as the tab with the 3D view."""
+
+
+class Groups(LoadFileScheduling):
+    """Leaves all tests of a group, and otherwise those of a file, to one of the processes that share the tests."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        file: str = super()._split_scope(nodeid)
+        name = Path(file).stem.removeprefix("test_")
+        return next((group for group, names in GROUPS.items() if name in names), file)
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Groups:
+    return Groups(config, log)
 
 
 class Program:
@@ -102,9 +121,30 @@ def cleaner(program: Program, context: BrowserContext) -> Page:
     return opened
 
 
+@pytest.fixture(scope="package")
+def bare_tab(context: BrowserContext) -> Iterator[Page]:
+    """A tab in which the 3D view stays empty: drawn in software it slows all that asks nothing of it."""
+    opened = context.new_page()
+    opened.add_init_script(EMPTY_VIEW)
+    yield opened
+    opened.close()
+
+
 @pytest.fixture
-def page(context: BrowserContext, cleaner: Page) -> Iterator[Page]:
-    """A new tab of somebody who has not been here before."""
+def page(program: Program, bare_tab: Page, cleaner: Page) -> Iterator[Page]:
+    """That tab for somebody who has not been here before: it opens a page in half the time that a new one takes."""
+    bare_tab.goto(f"{program.url}/healthz")  # ends what the last page may still be about to keep
+    cleaner.evaluate("() => localStorage.clear()")
+    bare_tab.bring_to_front()  # a tab behind another draws nothing, and its timers come late
+    bare_tab.set_viewport_size(SIZE)
+    bare_tab.mouse.move(0.0, 0.0)
+    yield bare_tab
+    bare_tab.unroute_all()
+
+
+@pytest.fixture
+def new_page(context: BrowserContext, cleaner: Page) -> Iterator[Page]:
+    """A new tab, for what needs its 3D view, or a script that stays in it."""
     cleaner.evaluate("() => localStorage.clear()")
     opened = context.new_page()
     yield opened
@@ -125,6 +165,7 @@ def reopened(scene_tab: StudioPage, cleaner: Page) -> Iterator[Callable[[dict[st
 
     def reopen(document: dict[str, Any]) -> StudioPage:
         cleaner.evaluate("() => localStorage.clear()")
+        scene_tab.page.bring_to_front()
         scene_tab.begin_again(document)
         return scene_tab
 
@@ -145,25 +186,12 @@ def studio(reopened: Callable[[dict[str, Any]], StudioPage]) -> StudioPage:
 
 
 @pytest.fixture
-def studio_alone(program: Program, page: Page) -> StudioPage:
-    """The same in a new tab, for tests that open the page more than once."""
-    return StudioPage.open_preset(page, program.url, "canete-dual-bellows")
-
-
-@pytest.fixture
-def bare(page: Page) -> Page:
-    """A tab in which the 3D view stays empty: drawn in software it slows all that asks nothing of it."""
-    page.add_init_script(EMPTY_VIEW)
-    return page
-
-
-@pytest.fixture
-def panel(program: Program, bare: Page) -> PanelPage:
+def panel(program: Program, page: Page) -> PanelPage:
     """The paper's preset, without its 3D view."""
-    return PanelPage.open_document(bare, program.url, document_of("canete-dual-bellows"))
+    return PanelPage.open_document(page, program.url, document_of("canete-dual-bellows"))
 
 
 @pytest.fixture
-def spatial(program: Program, bare: Page) -> PanelPage:
+def spatial(program: Program, page: Page) -> PanelPage:
     """A glider that turns, without its 3D view."""
-    return PanelPage.open_document(bare, program.url, spiral_document(duration=20.0))
+    return PanelPage.open_document(page, program.url, spiral_document(duration=20.0))

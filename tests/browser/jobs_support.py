@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import httpx
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import ConsoleMessage, Error, Page
 
 from models.presets import load_preset
 
@@ -86,9 +86,19 @@ def partial(api: Api) -> dict[str, Any]:
 def watched(page: Page) -> Iterator[Page]:
     """A page of which nothing is wrong in the end: no error in its console, nothing that its policy forbids."""
     wrong: list[str] = []
-    page.on("console", lambda message: wrong.append(message.text) if message.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: wrong.append(str(error)))
+
+    def on_console(message: ConsoleMessage) -> None:
+        if message.type in ("error", "warning"):
+            wrong.append(message.text)
+
+    def on_error(error: Error) -> None:
+        wrong.append(str(error))
+
+    page.on("console", on_console)
+    page.on("pageerror", on_error)
     yield page
+    page.remove_listener("console", on_console)
+    page.remove_listener("pageerror", on_error)
     assert wrong == []
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from playwright.sync_api import APIResponse, Locator, Page, ViewportSize
@@ -102,6 +103,25 @@ class StudioPage:
         """Wait until a condition holds in Viser's document."""
         frame = next(f for f in self.page.frames if "/view/" in f.url)
         frame.wait_for_function(condition)
+
+    def wait_for_consequences(self) -> None:
+        """Wait until the consequences shown are those of the newest run, with trims."""
+        self.page.wait_for_function(
+            "() => { const { state, consequences: c } = window.__studio;"
+            " return c && c.analyses === 'ready' && c.run === state.run.number && !state.simulating; }"
+        )
+
+    def seek(self, time: float) -> None:
+        self.page.evaluate("time => window.__studio.clock.seek(time)", time)
+
+    def downloaded(self, item: str, folder: Path) -> Path:
+        """Return the file that an item of the export menu gives."""
+        self.page.get_by_test_id("export").click()
+        with self.page.expect_download() as download:
+            self.page.get_by_test_id(item).click()
+        target = folder / download.value.suggested_filename
+        download.value.save_as(target)
+        return target
 
     def state(self, expression: str) -> object:
         """Evaluate an expression of the state the page shows."""

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
-from typing import Any
-
 import pytest
 from playwright.sync_api import Page, expect
 
@@ -12,15 +9,13 @@ from models.presets import load_preset
 from server.store.database import Database, sqlite_url
 from server.store.designs import DesignStore
 from server.store.records import Content
-from tests.browser.conftest import Program
-from tests.browser.jobs_support import opened
+from tests.browser.axe import assert_accessible, assert_accessible_in_both
+from tests.browser.conftest import EMPTY_VIEW, Program
 from tests.browser.timeline_page import Timeline
 
 pytestmark = pytest.mark.browser
 
-AXE = files("axe_playwright_python").joinpath("axe.min.js").read_text(encoding="utf-8")
-RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
-SCHEMES = ("dark", "light")
+DIALOG, MENU, PARTS_MENU = "dialog[open]", "details.menu[open]", "[data-testid=parts-menu]"
 CELL, CELL_IN_THE_PLANE = "Front port cell", "Front bellows"
 NO_WEBGL = """() => {
   const given = HTMLCanvasElement.prototype.getContext;
@@ -47,139 +42,94 @@ IN_VIEW = """node => {
 """How wide a text is on the screen, px; none where it is covered, empty or out of sight."""
 
 
-def violations(page: Page) -> list[str]:
-    """Return what axe finds on the page itself; the viewer's client in its frame is another program."""
-    found: dict[str, Any] = page.evaluate(
-        """async ([source, rules]) => {
-            if (!window.axe) (0, eval)(source);
-            const context = { include: [["html"]], exclude: [["iframe"]] };
-            return window.axe.run(context, { runOnly: rules, resultTypes: ["violations"], iframes: false });
-        }""",
-        [AXE, RULES],
-    )
-    return [
-        f"{rule['id']}: {node['target']} {node['failureSummary']}"
-        for rule in found["violations"]
-        for node in rule["nodes"]
-    ]
-
-
-def assert_accessible(page: Page) -> None:
-    found = violations(page)
-    assert found == [], "\n".join(found)
-
-
-def choose_scheme(page: Page, scheme: str) -> None:
-    page.evaluate("scheme => document.documentElement.setAttribute('data-theme', scheme)", scheme)
-    page.evaluate("() => document.dispatchEvent(new CustomEvent('scheme'))")
-    page.wait_for_timeout(250)  # colours fade
-
-
-def assert_accessible_in_both(page: Page) -> None:
-    """Look at what is open in both schemes: to get there costs more than to look."""
-    for scheme in SCHEMES:
-        choose_scheme(page, scheme)
-        assert_accessible(page)
-
-
 @pytest.fixture
-def alone(program: Program, bare: Page) -> Page:
+def alone(program: Program, page: Page) -> Page:
     """The studio's page of the paper's preset."""
-    return Timeline.open_preset(bare, program.url, "canete-dual-bellows").page
+    return Timeline.open_preset(page, program.url, "canete-dual-bellows").page
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-def test_the_studio_is_accessible(alone, scheme):
-    choose_scheme(alone, scheme)
-    assert_accessible(alone)
+def test_the_studio_is_accessible(alone):
+    assert_accessible_in_both(alone)
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-def test_menus_and_dialogs_of_the_studio_are_accessible(alone, scheme):
-    choose_scheme(alone, scheme)
+def test_menus_and_dialogs_of_the_studio_are_accessible(alone):
     for opener in ("show-keys", "hydrodynamics"):
         alone.get_by_test_id(opener).click()
-        assert_accessible(alone)
+        assert_accessible_in_both(alone, DIALOG)
         alone.keyboard.press("Escape")
     alone.get_by_test_id("compare").click()
     alone.get_by_test_id("keep").click()
     alone.wait_for_function("() => window.__studio.state.kept.length > 0")
-    assert_accessible(alone)
+    assert_accessible_in_both(alone, MENU)
     alone.keyboard.press("Escape")
     alone.get_by_test_id("bookmarks").click()
     alone.get_by_test_id("bookmark-add").click()
-    assert_accessible(alone)
+    assert_accessible_in_both(alone, MENU)
     alone.keyboard.press("Escape")
     for menu in ("export", "link"):
         alone.get_by_test_id(menu).click()
-        assert_accessible(alone)
+        assert_accessible_in_both(alone, MENU)
         alone.keyboard.press("Escape")
 
 
-def test_all_that_opens_over_a_glider_that_turns_is_accessible(program, bare):
-    spiral = Timeline.open_preset(bare, program.url, "quad-bellows-spiral")
-    assert_accessible_in_both(bare)
-    bare.get_by_test_id("display").click()
-    assert_accessible_in_both(bare)
-    bare.keyboard.press("Escape")
-    bare.get_by_test_id("parts-add").click()
-    bare.get_by_test_id("parts-menu").wait_for()
-    assert_accessible_in_both(bare)
-    bare.keyboard.press("Escape")
+def test_all_that_opens_over_a_glider_that_turns_is_accessible(program, page):
+    spiral = Timeline.open_preset(page, program.url, "quad-bellows-spiral")
+    assert_accessible_in_both(page)
+    page.get_by_test_id("display").click()
+    assert_accessible_in_both(page, MENU)
+    page.keyboard.press("Escape")
+    page.get_by_test_id("parts-add").click()
+    page.get_by_test_id("parts-menu").wait_for()
+    assert_accessible_in_both(page, PARTS_MENU)
+    page.keyboard.press("Escape")
     spiral.part(CELL).click(button="right")
-    bare.get_by_test_id("parts-menu").wait_for()
-    assert_accessible_in_both(bare)
-    bare.keyboard.press("Escape")
-    bare.get_by_test_id("tab-modes").click()
-    bare.get_by_test_id("modes-table").wait_for()
-    assert_accessible_in_both(bare)
-    bare.get_by_test_id("tab-readouts").click()
-    bare.get_by_test_id("glide-polar-open").click()
-    bare.get_by_test_id("glide-polar-trim").first.wait_for()
-    assert_accessible_in_both(bare)
+    page.get_by_test_id("parts-menu").wait_for()
+    assert_accessible_in_both(page, PARTS_MENU)
+    page.keyboard.press("Escape")
+    page.get_by_test_id("tab-modes").click()
+    page.get_by_test_id("modes-table").wait_for()
+    assert_accessible_in_both(page, "#results")
+    page.get_by_test_id("tab-readouts").click()
+    page.get_by_test_id("glide-polar-open").click()
+    page.get_by_test_id("glide-polar-trim").first.wait_for()
+    assert_accessible_in_both(page, DIALOG)
 
 
 def test_all_that_opens_over_the_timeline_is_accessible(alone):
     alone.get_by_test_id(f"lane-menu-{CELL_IN_THE_PLANE}").click()
     alone.get_by_role("menu").wait_for()
-    assert_accessible_in_both(alone)
+    assert_accessible_in_both(alone, "[role=menu]")
     alone.get_by_test_id("copy-schedule").click()
     alone.get_by_test_id("copy-dialog").wait_for()
-    assert_accessible_in_both(alone)
+    assert_accessible_in_both(alone, "[data-testid=copy-dialog]")
     alone.keyboard.press("Escape")
     alone.get_by_test_id("add-plot").click()
     alone.get_by_test_id("output-list").locator("label").first.wait_for()
-    assert_accessible_in_both(alone)
+    assert_accessible_in_both(alone, "[data-testid=plot-picker]")
     alone.keyboard.press("Escape")
     alone.get_by_test_id(f"point-{CELL_IN_THE_PLANE}-1").focus()
     alone.keyboard.press("Enter")
     alone.get_by_test_id("point-editor").wait_for()
-    assert_accessible_in_both(alone)
+    assert_accessible_in_both(alone, "[data-testid=point-editor]")
 
 
-def test_a_conflict_of_two_writers_is_told_accessibly(program, bare):
+def test_a_conflict_of_two_writers_is_told_accessibly(program, page):
     database = Database(sqlite_url(program.data / "studio.sqlite"))
     store = DesignStore(database)
     design = load_preset("canete-dual-bellows")
     stored = store.create(Content(design))
-    bare.goto(f"{program.url}/d/{stored.id}")
-    bare.wait_for_function("() => window.__studio?.state?.run")
+    page.goto(f"{program.url}/d/{stored.id}")
+    page.wait_for_function("() => window.__studio?.state?.run")
     patch = [{"op": "replace", "path": "/vehicle/components/1/position/0", "value": 0.15}]
-    changed = bare.request.post(f"{bare.url.split('?')[0]}edit", data={"patch": patch})
+    changed = page.request.post(f"{page.url.split('?')[0]}edit", data={"patch": patch})
     assert changed.ok, changed.text()
-    bare.wait_for_function("() => window.__studio.state.origin.changed")
+    page.wait_for_function("() => window.__studio.state.origin.changed")
     theirs = design.model_copy(update={"name": "Theirs"})
     store.change(stored.id, lambda before: Content(theirs, before.tags), comment="By another")
     database.close()
-    bare.get_by_test_id("save").click()
-    bare.get_by_test_id("conflict").wait_for()
-    assert_accessible_in_both(bare)
-
-
-def test_the_page_of_a_job_is_accessible(program, page, swept, partial):
-    for job_id in (swept, partial["id"]):
-        opened(page, program, job_id)
-        assert_accessible_in_both(page)
+    page.get_by_test_id("save").click()
+    page.get_by_test_id("conflict").wait_for()
+    assert_accessible_in_both(page, "[data-testid=conflict]")
 
 
 def test_a_refused_change_is_told_accessibly(alone):
@@ -191,13 +141,11 @@ def test_a_refused_change_is_told_accessibly(alone):
     assert_accessible(alone)
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-def test_the_list_of_presets_and_the_page_of_jobs_are_accessible(program, page, scheme):
+def test_the_list_of_presets_and_the_page_of_jobs_are_accessible(program, page):
     for path, there in (("/", "[data-testid^='open-canete']"), ("/jobs", "h1")):
         page.goto(program.url + path)
         page.locator(there).first.wait_for()
-        choose_scheme(page, scheme)
-        assert_accessible(page)
+        assert_accessible_in_both(page)
 
 
 def test_the_studio_on_a_phone_is_accessible(alone):
@@ -207,7 +155,8 @@ def test_the_studio_on_a_phone_is_accessible(alone):
         assert_accessible(alone)
 
 
-def test_a_browser_that_cannot_draw_in_3d_is_told_so_and_shows_the_rest(program, page):
+def test_a_browser_that_cannot_draw_in_3d_is_told_so_and_shows_the_rest(program, new_page):
+    page = new_page
     page.add_init_script(f"({NO_WEBGL})()")
     viewed: list[str] = []
     page.on("request", lambda request: viewed.append(request.url) if "/view/" in request.url else None)
@@ -222,19 +171,21 @@ def test_a_browser_that_cannot_draw_in_3d_is_told_so_and_shows_the_rest(program,
 
 
 @pytest.mark.parametrize("preset", ["quad-bellows-spiral", "three-cell-glider"])
-def test_the_force_data_are_named_with_their_range_on_a_small_screen(program, bare, preset):
-    bare.set_viewport_size({"width": 1280, "height": 720})
-    bare.add_init_script(f"({KEEP_SOURCE})()")
-    Timeline.open_preset(bare, program.url, preset)
-    name = bare.evaluate("() => window.__studio.state.hydrodynamics")
+def test_the_force_data_are_named_with_their_range_on_a_small_screen(program, new_page, preset):
+    page = new_page
+    page.set_viewport_size({"width": 1280, "height": 720})
+    page.add_init_script(EMPTY_VIEW)
+    page.add_init_script(f"({KEEP_SOURCE})()")
+    Timeline.open_preset(page, program.url, preset)
+    name = page.evaluate("() => window.__studio.state.hydrodynamics")
     for lost in (False, True):
         if lost:
-            bare.evaluate("() => window.__source.dispatchEvent(new Event('error'))")
-            expect(bare.get_by_test_id("status")).to_have_attribute("data-state", "offline")
+            page.evaluate("() => window.__source.dispatchEvent(new Event('error'))")
+            expect(page.get_by_test_id("status")).to_have_attribute("data-state", "offline")
         for shown in ("hydrodynamics-source", "hydrodynamics-range", "source-title", "source-range"):
-            assert bare.get_by_test_id(shown).evaluate(IN_VIEW) >= 60.0, shown
-        assert name in (bare.get_by_test_id("hydrodynamics").get_attribute("title") or "")
-        assert bare.get_by_test_id("source-title").get_attribute("title") == name
+            assert page.get_by_test_id(shown).evaluate(IN_VIEW) >= 60.0, shown
+        assert name in (page.get_by_test_id("hydrodynamics").get_attribute("title") or "")
+        assert page.get_by_test_id("source-title").get_attribute("title") == name
 
 
 def test_keys_of_all_parts_of_the_page_are_in_its_list(alone):

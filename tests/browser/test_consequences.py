@@ -20,7 +20,6 @@ from models.trim import Trim, find_trims
 from models.water import density_at, gravity_of
 from studio.cell_reach import NEAR_STOP
 from tests.browser.panel_page import PanelPage
-from tests.browser.studio_page import StudioPage
 from tests.studio.spiral import ROLL_ANGLE
 
 pytestmark = pytest.mark.browser
@@ -51,35 +50,17 @@ WITHOUT_UNIT = """() => [...document.querySelectorAll("#pane-readouts .readouts 
   .map((node) => node.dataset.testid)"""
 
 
-def settled(studio: StudioPage) -> None:
-    """Wait until the consequences shown are those of the newest run, with trims."""
-    studio.page.wait_for_function(
-        "() => { const { state, consequences: c } = window.__studio;"
-        " return c && c.analyses === 'ready' && c.run === state.run.number && !state.simulating; }"
-    )
-
-
-def pitch_shown(studio: StudioPage) -> float:
-    """Return the pitch (rad) at which the 3D view holds the glider, of a planar run."""
-    w, _x, y, _z = studio.pose("/glider")["wxyz"]
-    return 2.0 * math.atan2(y, w)
-
-
-def stop_at(studio: StudioPage, time: float) -> None:
-    studio.page.evaluate(f"() => window.__studio.clock.seek({time})")
-
-
 def test_an_edit_changes_the_trim_of_the_hold_at_the_clock(panel):
     page = panel.page
-    settled(panel)
+    panel.wait_for_consequences()
     expect(page.locator("#trim-title")).to_have_text("Trim, held 0–10 s")
     before = panel.readout("trim-pitch")
     panel.type_number("Position x", 150)
     panel.wait_for_change("trim-pitch", before)
-    settled(panel)
+    panel.wait_for_consequences()
     design = loads_design(page.request.get(f"{panel.url.split('?')[0]}design.json").text())
     for time, title in ((1.0, "Trim, held 0–10 s"), (15.0, "Trim, held 10–20 s")):
-        stop_at(panel, time)
+        panel.seek(time)
         expect(page.locator("#trim-title")).to_have_text(title)
         held = page.evaluate(f"() => window.__studio.consequences.holds[{int(time > 10.0)}].extensions")
         stable = find_trims(design, extensions=held).stable
@@ -91,7 +72,7 @@ def test_an_edit_changes_the_trim_of_the_hold_at_the_clock(panel):
 
 def test_numbers_are_compared_with_the_reference(panel):
     page = panel.page
-    settled(panel)
+    panel.wait_for_consequences()
     expect(page.get_by_test_id("change-trim-pitch")).to_have_text("")
     page.get_by_test_id("compare").click()
     page.get_by_test_id("keep").click()
@@ -100,7 +81,7 @@ def test_numbers_are_compared_with_the_reference(panel):
     before = panel.readout("trim-pitch")
     panel.edit({"op": "replace", "path": BODY_X, "value": 0.15})
     after = panel.wait_for_change("trim-pitch", before)
-    settled(panel)
+    panel.wait_for_consequences()
     change = math.degrees(after - before)
     expect(page.get_by_test_id("change-trim-pitch")).to_have_text(f"{change:+.1f}".replace("-", "\u2212"))
 
@@ -124,7 +105,7 @@ def test_a_warning_leads_to_its_field_and_its_time(panel):
 def test_a_glider_without_a_trim_says_why(panel):
     page = panel.page
     page.set_viewport_size({"width": 1280, "height": 600})
-    settled(panel)
+    panel.wait_for_consequences()
     panel.edit(
         {"op": "replace", "path": "/mission/control/schedules", "value": []},
         {"op": "replace", "path": "/mission/initial/extensions", "value": {}},
@@ -137,7 +118,7 @@ def test_a_glider_without_a_trim_says_why(panel):
     expect(page.get_by_test_id("trim-for-found")).to_contain_text("\u221230.0°")
     expect(page.get_by_test_id("trim-for-answer")).to_be_in_viewport(ratio=0.99)  # scrolled to
     page.get_by_test_id("trim-for-apply").click()
-    settled(panel)
+    panel.wait_for_consequences()
     panel.wait_until(lambda: abs(panel.readout("trim-glide-angle") + math.radians(30.0)) < 1e-4)
     page.get_by_test_id("undo").click()
     expect(page.get_by_test_id("trim-missing")).to_contain_text("weighs what it displaces")
@@ -161,44 +142,18 @@ HOLDS: dict[str, tuple[list[dict[str, object]], tuple[float, float]]] = {
 }
 
 
-def test_a_wanted_glide_holds_in_its_span_alone(program, bare):
-    bare.goto(program.url)
+def test_a_wanted_glide_holds_in_its_span_alone(program, page):
+    page.goto(program.url)
     for name, (points, span) in HOLDS.items():
-        found = bare.evaluate(HELD, [points, span, 0.7, 300.0])
+        found = page.evaluate(HELD, [points, span, 0.7, 300.0])
         path = "/mission/control/schedules/3/points" if points else "/mission/control/schedules/-"
         assert found.pop("operation") == ["replace" if points else "add", path, 0], name
         assert found == {"held": True, "kept": True, "rising": True}, name
 
 
-def test_a_mode_moves_the_glider_while_it_plays(studio):
-    page = studio.page
-    settled(studio)
-    stop_at(studio, 5.0)
-    page.get_by_test_id("tab-modes").click()
-    expect(page.get_by_test_id("modes-words")).to_contain_text("All small motions die out")
-    growth = page.evaluate("() => window.__studio.consequences.holds[0].trim.growth")
-    expect(page.get_by_test_id("mode-mark-0")).to_have_attribute(
-        "aria-label", re.compile(rf"pitch oscillation: \u2212{-growth:.4f} ±")
-    )
-    trim = page.evaluate("() => window.__studio.consequences.holds[0].trim.pitch")
-    page.get_by_test_id("mode-play").click()
-    near = math.radians(12.5)  # the amplitude is 12 deg
-    studio.wait_until(lambda: abs(pitch_shown(studio) - trim) < near)
-    seen: set[float] = set()
-    studio.wait_until(lambda: len(seen.add(pitch_shown(studio)) or seen) > 5)
-    assert all(abs(pitch - trim) < near for pitch in seen)
-    expect(page.get_by_test_id("mode-pill")).to_contain_text("Playing mode: pitch oscillation")
-    page.get_by_test_id("mode-pill-stop").click()
-    studio.wait_until(lambda: abs(pitch_shown(studio) - studio.readout("pitch")) < 1e-5)
-    page.get_by_test_id("modes-point").select_option("clock")
-    expect(page.get_by_test_id("modes-words")).to_contain_text("no equilibrium")
-    page.get_by_test_id("tab-modes").press("ArrowLeft")
-    expect(page.get_by_test_id("now")).to_be_visible()
-
-
 def test_the_polars_show_the_trims_and_the_run_its_error(panel):
     page = panel.page
-    settled(panel)
+    panel.wait_for_consequences()
     page.get_by_test_id("glide-polar-open").click()
     expect(page.get_by_test_id("glide-polar-trim")).to_have_count(2)
     expect(page.get_by_test_id("glide-polar-legend")).to_contain_text("Best range")
@@ -267,8 +222,8 @@ def shows_margins(studio: PanelPage, run: Run, at: int) -> None:
 def test_every_consequence_is_the_number_of_the_library(spatial):
     page = spatial.page
     spatial.edit({"op": "replace", "path": "/mission/initial/extensions", "value": {"Battery": ROLL_ANGLE}})
-    settled(spatial)
-    stop_at(spatial, 16.0)
+    spatial.wait_for_consequences()
+    spatial.seek(16.0)
     design = parse_design(spatial.document())
     run, held = simulate(design), page.evaluate("() => window.__studio.consequences.holds[1].extensions")
     trim = shown_trim(spatial, design, 1)
@@ -295,7 +250,7 @@ def test_every_consequence_is_the_number_of_the_library(spatial):
 
 def test_near_a_stop_means_one_thing(panel):
     page = panel.page
-    settled(panel)
+    panel.wait_for_consequences()
     group, title = page.locator("#reach-group"), page.locator("#reach-title")
     hatch = page.get_by_test_id("lane-Front bellows").locator(".near-stop")
     expect(title).to_have_text("Stops")
@@ -309,7 +264,7 @@ def test_near_a_stop_means_one_thing(panel):
 
     warning = page.get_by_test_id("warnings").locator("details", has_text="its upper stop")
     ask(1.2 * NEAR_STOP)
-    settled(panel)
+    panel.wait_for_consequences()
     expect(hatch).to_have_attribute("d", "")
     expect(title).to_have_text("Stops")
     expect(warning).to_have_count(0)
@@ -347,12 +302,12 @@ def test_what_is_left_out_is_told(panel):
     expect(warning.locator(".when")).to_have_text(re.compile(rf"and {visits - 4} more$"))
     stairs = [{"time": 2.0 * k, "extension": 0.01 + 0.001 * k} for k in range(8)]
     panel.edit({"op": "replace", "path": path, "value": stairs})
-    settled(panel)
+    panel.wait_for_consequences()
     message = page.get_by_test_id("held-message")
-    stop_at(panel, 5.0)
+    panel.seek(5.0)
     expect(message).to_contain_text("shorter holds are not told")
     expect(message).not_to_contain_text("What is held now")
-    stop_at(panel, 11.0)
+    panel.seek(11.0)
     expect(message).to_contain_text("What is held now is shorter than the holds told: shown is the one held")
     expect(page.locator("#energy-message")).to_contain_text("The planar model keeps no account of the battery")
 

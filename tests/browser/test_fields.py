@@ -213,6 +213,7 @@ def test_the_table_of_a_bladder_is_edited_point_by_point(panel):
     panel.wait_until(lambda: panel.at(*bladder, "volumes", 2) == pytest.approx(3.2e-5))
     panel.row("Table").get_by_role("button", name="Add a row").click()
     panel.wait_until(lambda: panel.at(*bladder, "extensions") == pytest.approx([0.0, 0.01, 0.02, 0.03]))
+    expect(panel.page.get_by_role("textbox", name="Volumes 4")).to_be_visible()
     cell.fill("5")
     cell.press("Enter")
     expect(panel.row("Table").get_by_role("alert")).to_contain_text("must rise")

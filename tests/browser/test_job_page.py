@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.axe import assert_accessible_in_both
+from tests.browser.conftest import EMPTY_VIEW
 from tests.browser.jobs_support import SLIGHTLY, batch, opened, row
 
 pytestmark = pytest.mark.browser
@@ -98,8 +100,10 @@ def test_a_failed_case_tells_why_and_offers_what_can_work(program, watched, api,
     expect(page.get_by_test_id("paths-hint")).to_contain_text(f"Case {n} has no path")
     expect(page.get_by_test_id(f"open-case-{n}")).to_have_count(0)
     other = page.context.new_page()
+    other.add_init_script(EMPTY_VIEW)
     other.goto(note.get_by_role("link", name="in the studio").get_attribute("href") or "")
     other.wait_for_url("**/s/**")
+    other.close()
 
 
 def test_the_link_of_a_refused_case_leads_back(program, page, api, partial):
@@ -170,3 +174,9 @@ def test_a_lost_connection_is_forgotten_once_it_is_back(program, page, swept):
     expect(page.get_by_test_id("problem")).to_contain_text("cannot be reached")
     expect(page.get_by_test_id("problem")).to_be_hidden(timeout=20_000)  # it tries again by itself
     expect(page.get_by_test_id("spread")).to_contain_text("Mean")
+
+
+def test_the_page_of_a_job_is_accessible(program, page, swept, partial):
+    for job_id in (swept, partial["id"]):
+        opened(page, program, job_id)
+        assert_accessible_in_both(page)

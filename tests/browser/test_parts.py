@@ -129,7 +129,8 @@ def test_a_locked_part_is_refused_everywhere_until_it_is_unlocked(panel):
     (error,) = answer.json()["errors"]
     assert "'Front bellows' is locked" in error["message"] and "unlock" in error["hint"]
     panel.focus_tree()
-    panel.key("Delete")
+    with page.expect_response(lambda answer: answer.status == 422):
+        panel.key("Delete")
     problem = page.get_by_test_id("problem")
     expect(problem).to_contain_text("'Front bellows' is locked")
     assert problem.inner_text().count("is locked") == 1 and "/vehicle" not in problem.inner_text()
@@ -241,19 +242,19 @@ def test_choosing_a_part_brings_its_fields_into_view(panel):
     expect(panel.page.get_by_test_id("form-title")).to_be_in_viewport()
 
 
-def test_fields_change_both_parts_of_a_pair_unless_it_is_unlinked(program, bare):
+def test_fields_change_both_parts_of_a_pair_unless_it_is_unlinked(program, page):
     document = load_preset("quad-bellows-glide").model_dump(mode="json")
-    panel = PanelPage.open_document(bare, program.url, document)
+    panel = PanelPage.open_document(page, program.url, document)
     panel.part("Front port cell").click()
-    linked = bare.get_by_test_id("pair-linked")
-    expect(bare.get_by_text("Also Front starboard cell, mirrored")).to_be_visible()
+    linked = page.get_by_test_id("pair-linked")
+    expect(page.get_by_text("Also Front starboard cell, mirrored")).to_be_visible()
 
     def places() -> list[float]:
         return [panel.at("vehicle", "components", i, "position", 1) for i in (4, 5)]
 
     panel.type_number("Position y", -210)
     panel.wait_until(lambda: places() == [-0.21, 0.21])
-    bare.get_by_test_id("undo").click()
+    page.get_by_test_id("undo").click()
     panel.wait_until(lambda: places() == [-0.2, 0.2])
     linked.uncheck()
     panel.wait_until(lambda: panel.state("s.linked") is False)

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
 from itertools import pairwise, product
-from pathlib import Path
 
 import numpy as np
 import pytest
-from imageio.v3 import imread
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from tests.browser.panel_page import PanelPage
 from tests.browser.studio_page import StudioPage
@@ -24,10 +21,6 @@ def clock(page: Page, member: str) -> float:
     return float(page.evaluate(f"() => {CLOCK}.{member}"))
 
 
-def seek(page: Page, t: float) -> None:
-    page.evaluate(f"() => {CLOCK}.seek({t})")
-
-
 def pressed(page: Page, key: str) -> None:
     """Press a key with the focus nowhere in particular."""
     page.evaluate("() => document.activeElement?.blur()")
@@ -37,26 +30,26 @@ def pressed(page: Page, key: str) -> None:
 def test_the_clock_steps_from_sample_to_sample_by_keys_and_buttons(panel):
     page = panel.page
     times = panel.state("s.run.columns.t")
-    seek(page, times[10])
+    panel.seek(times[10])
     page.get_by_test_id("step-on").click()
     assert clock(page, "t") == times[11]
     pressed(page, ",")
     pressed(page, ",")
     assert clock(page, "t") == times[9]
-    seek(page, (times[4] + times[5]) / 2)
+    panel.seek((times[4] + times[5]) / 2)
     pressed(page, ".")
     assert clock(page, "t") == times[5]
 
 
 def test_a_range_is_played_and_looped_and_its_bounds_follow_the_keys(panel):
     page = panel.page
-    seek(page, 4.0)
+    panel.seek(4.0)
     pressed(page, "i")
-    seek(page, 5.0)
+    panel.seek(5.0)
     pressed(page, "o")
     assert page.evaluate(f"() => {CLOCK}.range") == {"from": 4.0, "to": 5.0}
     expect(page.get_by_test_id("clear-range")).to_contain_text("4.0 – 5.0 s")
-    seek(page, 0.0)
+    panel.seek(0.0)
     page.get_by_test_id("speed").select_option("5")
     page.get_by_test_id("play").click()
     page.wait_for_function(f"() => !{CLOCK}.playing")
@@ -76,8 +69,8 @@ def test_speed_is_a_hundred_times_and_a_tenth(panel):
     for speed in ("100", "0.1"):
         page.get_by_test_id("speed").select_option(speed)
         assert clock(page, "speed") == float(speed)
-    seek(page, 0.0)
-    page.evaluate(f"() => {{ {CLOCK}.play(); window.began = performance.now(); }}")
+    panel.seek(0.0)
+    page.evaluate(f"() => {{ window.began = performance.now(); {CLOCK}.play(); }}")
     page.wait_for_timeout(1500)
     t, passed = page.evaluate(f"() => [{CLOCK}.t, (performance.now() - window.began) / 1000]")
     page.evaluate(f"() => {CLOCK}.pause()")
@@ -86,19 +79,19 @@ def test_speed_is_a_hundred_times_and_a_tenth(panel):
 
 def test_bookmarks_are_named_jumped_to_and_remembered_with_the_range(panel):
     page = panel.page
-    seek(page, 2.0)
+    panel.seek(2.0)
     pressed(page, "i")
     pressed(page, "l")
-    seek(page, 3.0)
+    panel.seek(3.0)
     pressed(page, "b")
     page.keyboard.type("Bottom")
     page.keyboard.press("Enter")
     expect(page.get_by_test_id("bookmark-add")).to_be_hidden()
-    seek(page, 8.0)
+    panel.seek(8.0)
     page.get_by_test_id("bookmarks").click()
     page.get_by_test_id("bookmark-add").click()
     page.keyboard.press("Escape")
-    seek(page, 9.5)
+    panel.seek(9.5)
     pressed(page, "[")
     assert clock(page, "t") == 8.0
     pressed(page, "[")
@@ -120,7 +113,7 @@ def test_bookmarks_are_named_jumped_to_and_remembered_with_the_range(panel):
 
 def test_keys_typed_into_a_field_or_the_list_of_keys_stay_there(panel):
     page = panel.page
-    seek(page, 5.0)
+    panel.seek(5.0)
     page.get_by_test_id("rename").click()
     page.get_by_test_id("rename-field").fill("")
     page.keyboard.type("k b i o ? .")
@@ -147,15 +140,16 @@ def hide_the_hook(page: Page) -> None:
     )
 
 
-def test_without_the_hook_the_server_moves_the_scene(program, page):
+def test_without_the_hook_the_server_moves_the_scene(program, new_page):
+    page = new_page
     hide_the_hook(page)
     studio = StudioPage.open_preset(page, program.url, "canete-dual-bellows")
     page.wait_for_timeout(8500)  # the page waits for the hook as long
     frame = next(f for f in page.frames if "/view/" in f.url)
     depth = "() => -window.__kept.nodePoseData['/world'].position[2]"
-    seek(page, 0.0)
+    studio.seek(0.0)
     frame.wait_for_function(f"() => Math.abs(({depth})() - {studio.state('s.run.columns.z[0]')}) < 1e-3")
-    seek(page, 8.0)
+    studio.seek(8.0)
     expected = np.interp(8.0, studio.state("s.run.columns.t"), studio.state("s.run.columns.z"))
     frame.wait_for_function(f"() => Math.abs(({depth})() - {expected}) < 1e-3")
 
@@ -163,64 +157,10 @@ def test_without_the_hook_the_server_moves_the_scene(program, page):
 SCHEME = "() => [document.documentElement.dataset.theme, getComputedStyle(document.body).backgroundColor]"
 
 
-def downloaded(page: Page, item: str, path: Path) -> Path:
-    page.get_by_test_id("export").click()
-    with page.expect_download() as download:
-        page.get_by_test_id(item).click()
-    target = path / download.value.suggested_filename
-    download.value.save_as(target)
-    return target
-
-
-def test_a_replay_opens_without_a_network_and_its_numbers_follow(studio, browser: Browser, tmp_path):
-    page = studio.page
-    columns = studio.state("s.run.columns")
-    file = downloaded(page, "export-replay", tmp_path)
-    assert file.suffix == ".html" and file.stat().st_size <= 3_000_000
-    context = browser.new_context(viewport={"width": 800, "height": 500}, offline=True)
-    context.set_default_timeout(60_000)
-    replay, asked = context.new_page(), []
-    replay.on("request", lambda request: asked.append(request.url))
-    replay.goto(file.as_uri() + "?fixedDpr=0.25")
-    replay.wait_for_function("() => window.__replay?.ready")
-    replay.evaluate("() => window.__replay.clock.seek(6.0)")
-    at = {name: np.interp(6.0, columns["t"], columns[name]) for name in ("z", "speed", "theta")}
-    expect(replay.get_by_test_id("hud-time")).to_have_text("6.0 s")
-    expect(replay.get_by_test_id("hud-depth")).to_have_text(f"{at['z']:.3f}")
-    expect(replay.get_by_test_id("hud-speed")).to_have_text(f"{at['speed']:.3f}")
-    expect(replay.get_by_test_id("hud-pitch")).to_have_text(f"{np.rad2deg(at['theta']):.1f}".replace("-", "−"))
-    expect(replay.get_by_test_id("hud-roll")).to_have_text("0.0")
-    expect(replay.get_by_test_id("legend-arrows").get_by_role("listitem")).to_have_text(
-        ["Net buoyancy", "Lift", "Drag"]
-    )
-    expect(replay.get_by_test_id("legend-path")).to_contain_text(re.compile(r"Path: speed.* m/s.* m/s"))
-    replay.wait_for_function(
-        f"() => Math.abs(-window.__viserMutable.nodePoseData['/world'].position[2] - {at['z']}) < 1e-3"
-    )
-    replay.get_by_test_id("play").click()
-    replay.wait_for_function("() => window.__replay.clock.t > 6.5 && window.__replay.poseUpdates > 5")
-    replay.get_by_test_id("play").click()
-    stray = [url for url in asked if not url.startswith(("file:", "data:", "blob:"))]
-    context.close()
-    assert stray == []
-
-
-def test_the_picture_shows_the_view(studio, tmp_path):
-    file = downloaded(studio.page, "export-png", tmp_path)
-    picture = imread(file)[..., :3].astype(int)
-    # as many pixels as the page has, though the view itself is drawn with fewer, and then with those again
-    view = studio.page.locator("iframe#view").bounding_box()
-    assert picture.shape[:2] == pytest.approx((view["height"], view["width"]), abs=1.0)
-    studio.scene("() => window.__viserMutable.canvas.width < 0.3 * window.__viserMutable.canvas.clientWidth")
-    # water grows darker with depth, and something that is no water is in front of it
-    assert picture[0].sum(axis=-1).mean() > picture[-1].sum(axis=-1).mean() + 50
-    assert (picture[..., 0] > picture[..., 2]).mean() > 1e-3, "nothing in the picture is warmer than water"
-
-
 def test_the_glide_comes_as_csv_and_netcdf(panel, tmp_path):
-    text = downloaded(panel.page, "export-csv", tmp_path).read_text()
+    text = panel.downloaded("export-csv", tmp_path).read_text()
     assert text.count("\n") > 100
-    assert downloaded(panel.page, "export-nc", tmp_path).read_bytes()[:4] == b"\x89HDF"
+    assert panel.downloaded("export-nc", tmp_path).read_bytes()[:4] == b"\x89HDF"
 
 
 def test_glides_are_kept_named_referred_to_and_deleted(panel):
@@ -255,12 +195,6 @@ def test_light_and_dark_are_chosen_and_remembered(panel):
     page.goto(panel.url)
     PanelPage(page)
     assert page.evaluate(SCHEME) == ["light", color]
-
-
-def test_the_scene_is_light_or_dark_with_the_page(studio):
-    for scheme in ("light", "dark"):
-        studio.page.get_by_test_id("theme").click()
-        studio.scene(f"() => document.documentElement.getAttribute('data-mantine-color-scheme') === '{scheme}'")
 
 
 def test_columns_are_resized_by_pointer_and_keys_and_remembered(panel):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 from playwright.sync_api import expect
 
@@ -41,30 +39,30 @@ CHANGED = """([name, places]) => {
 
 
 @pytest.mark.parametrize("name", [0, 1, "path"])
-def test_what_is_outside_the_force_data_is_hatched(program, bare, name):
-    timeline = Timeline.open_preset(bare, program.url, "three-cell-glider")
+def test_what_is_outside_the_force_data_is_hatched(program, page, name):
+    timeline = Timeline.open_preset(page, program.url, "three-cell-glider")
     spans = timeline.state("s.run.outside[0].spans")  # as it turns it is slower than the data
     inside, clear = sum(spans[1]) / 2.0, (spans[0][1] + spans[1][0]) / 2.0
-    there, elsewhere = bare.evaluate(CHANGED, [name, [inside, clear]])
+    there, elsewhere = page.evaluate(CHANGED, [name, [inside, clear]])
     assert there > 0.05
     assert elsewhere == 0.0
-    bare.evaluate("t => window.__studio.clock.seek(t)", inside)
-    bare.get_by_test_id("plot-path" if name == "path" else f"plot-{name}").focus()
-    tip = bare.locator("#path .tip" if name == "path" else "#tip")
+    page.evaluate("t => window.__studio.clock.seek(t)", inside)
+    page.get_by_test_id("plot-path" if name == "path" else f"plot-{name}").focus()
+    tip = page.locator("#path .tip" if name == "path" else "#tip")
     expect(tip).to_contain_text(str(timeline.state("s.run.outside[0].what")))
 
 
-def test_every_axis_says_its_unit(program, bare):
+def test_every_axis_says_its_unit(program, page, cleaner):
     free = {"left": None, "right": None}
     chosen = {
         "spatial": [{"outputs": ["theta", "phi", "heading"], "ranges": free}, {"outputs": ["z", "u"], "ranges": free}]
     }
-    bare.add_init_script(f"localStorage.setItem('glider-studio.plots', {json.dumps(json.dumps(chosen))})")
-    Timeline.open_preset(bare, program.url, "quad-bellows-spiral")
-    expect(bare.get_by_test_id("plot-row-0").locator("h3")).to_have_text("Angles (°), heading (°) at right")
+    cleaner.evaluate("plots => localStorage.setItem('glider-studio.plots', JSON.stringify(plots))", chosen)
+    Timeline.open_preset(page, program.url, "quad-bellows-spiral")
+    expect(page.get_by_test_id("plot-row-0").locator("h3")).to_have_text("Angles (°), heading (°) at right")
     for row, symbols in ((0, ("°", "°")), (1, (" m", " m/s"))):
         for axis, symbol in enumerate(symbols):
-            ticks = bare.evaluate(
+            ticks = page.evaluate(
                 """([row, axis]) => {
                   const found = window.__studio.timeline.plots.rows[row].plot.axes[axis];
                   return found.ticks.map(({ v }) => found.tell(v));
@@ -78,11 +76,11 @@ READABLE = 70.0
 """Pixels: the least height of a plot, at which an axis, its unit and the legend are read."""
 
 
-def test_plots_of_four_lanes_are_readable_on_a_laptop_and_names_are_whole(program, bare):
-    bare.set_viewport_size({"width": 1280, "height": 720})
-    Timeline.open_preset(bare, program.url, "quad-bellows-spiral")
-    plots = bare.locator("[data-testid^=plot-row-]")
-    for shown in (bare.get_by_test_id("lane-Rear starboard cell"), *plots.all()):
+def test_plots_of_four_lanes_are_readable_on_a_laptop_and_names_are_whole(program, page):
+    page.set_viewport_size({"width": 1280, "height": 720})
+    Timeline.open_preset(page, program.url, "quad-bellows-spiral")
+    plots = page.locator("[data-testid^=plot-row-]")
+    for shown in (page.get_by_test_id("lane-Rear starboard cell"), *plots.all()):
         expect(shown).to_be_in_viewport(ratio=1.0)
     assert plots.count() == 2
     for plot in plots.all():
@@ -91,10 +89,10 @@ def test_plots_of_four_lanes_are_readable_on_a_laptop_and_names_are_whole(progra
     legend = plots.last.locator(".legend-rows")
     assert legend.evaluate("rows => rows.scrollHeight - rows.clientHeight") == 0
     cut = "names => names.filter(name => name.scrollWidth > name.clientWidth).length"
-    assert bare.locator(".lane-name span").evaluate_all(cut) == 0
+    assert page.locator(".lane-name span").evaluate_all(cut) == 0
 
 
-def test_many_lanes_scroll_and_leave_the_plots_their_height(program, bare):
+def test_many_lanes_scroll_and_leave_the_plots_their_height(program, page):
     document = load_preset("quad-bellows-spiral").model_dump(mode="json")
     components, schedules = document["vehicle"]["components"], document["mission"]["control"]["schedules"]
     for schedule in list(schedules):
@@ -102,45 +100,45 @@ def test_many_lanes_scroll_and_leave_the_plots_their_height(program, bare):
         name = f"{twin['name']} of the second row behind"
         components.append(twin | {"name": name})
         schedules.append(schedule | {"cell": name})
-    bare.set_viewport_size({"width": 1280, "height": 720})
-    Timeline.open_document(bare, program.url, document)
-    lanes = bare.locator("#lanes")
+    page.set_viewport_size({"width": 1280, "height": 720})
+    Timeline.open_document(page, program.url, document)
+    lanes = page.locator("#lanes")
     assert lanes.evaluate("node => node.scrollHeight > node.clientHeight")
-    box = bare.get_by_test_id("plot-row-0").bounding_box()
+    box = page.get_by_test_id("plot-row-0").bounding_box()
     assert box is not None and box["height"] >= READABLE
-    expect(bare.get_by_test_id("plot-row-0")).to_be_in_viewport(ratio=1.0)
-    expect(bare.locator("#time-axis")).to_be_in_viewport(ratio=1.0)
-    labels = bare.locator(".lane-row .label")
+    expect(page.get_by_test_id("plot-row-0")).to_be_in_viewport(ratio=1.0)
+    expect(page.locator("#time-axis")).to_be_in_viewport(ratio=1.0)
+    labels = page.locator(".lane-row .label")
     assert max(box["width"] for node in labels.all() if (box := node.bounding_box())) <= 290.0
     # the split between scene and timeline is moved, and stays where it was put
-    split, timeline = bare.get_by_test_id("split-bottom"), bare.locator("#timeline")
+    split, timeline = page.get_by_test_id("split-bottom"), page.locator("#timeline")
     before = timeline.evaluate("node => node.clientHeight")
     for _ in range(3):
         split.press("ArrowUp")
-    bare.reload()
-    bare.wait_for_function("() => window.__studio?.state?.run")
+    page.reload()
+    page.wait_for_function("() => window.__studio?.state?.run")
     assert timeline.evaluate("node => node.clientHeight") == pytest.approx(before + 48, abs=2)
-    bare.set_viewport_size({"width": 1024, "height": 720})  # names take no room that the plots need
-    assert bare.locator("#ruler-label").evaluate("node => node.offsetWidth") == 206
+    page.set_viewport_size({"width": 1024, "height": 720})  # names take no room that the plots need
+    assert page.locator("#ruler-label").evaluate("node => node.offsetWidth") == 206
 
 
 KEPT_LOOKS = """() => window.__studio.timeline.plots.rows[0].plot.series.map(
   ({ dash, color, kept }) => [String(dash), color, ...kept.map((run) => run.color)])"""
 
 
-def test_a_kept_run_is_told_by_its_colour_and_an_output_by_its_dash(program, bare):
-    timeline = Timeline.open_document(bare, program.url, load_preset("canete-dual-bellows").model_dump(mode="json"))
+def test_a_kept_run_is_told_by_its_colour_and_an_output_by_its_dash(program, page):
+    timeline = Timeline.open_document(page, program.url, load_preset("canete-dual-bellows").model_dump(mode="json"))
     outputs = ["speed", "u", "w"]
     ranges = {"left": None, "right": None}
-    bare.evaluate("plots => window.__studio.timeline.plots.choose(plots)", [{"outputs": outputs, "ranges": ranges}])
+    page.evaluate("plots => window.__studio.timeline.plots.choose(plots)", [{"outputs": outputs, "ranges": ranges}])
     for name in ("One", "Two"):
-        bare.evaluate("name => import('../../static/keptruns.js').then(kept => kept.keepRun(name))", name)
-    bare.wait_for_function(f"() => ({KEPT_LOOKS})().every((look) => look.length === 4)")
-    looks = bare.evaluate(KEPT_LOOKS)
+        page.evaluate("name => import('../../static/keptruns.js').then(kept => kept.keepRun(name))", name)
+    page.wait_for_function(f"() => ({KEPT_LOOKS})().every((look) => look.length === 4)")
+    looks = page.evaluate(KEPT_LOOKS)
     assert len({dash for dash, *_ in looks}) == len(outputs), "each output has a dash of its own"
     (colors,) = {tuple(colors) for _, *colors in looks}
     assert len(set(colors)) == 3, "each run has a colour of its own, in all outputs"
-    legend = bare.get_by_test_id("plot-row-0")
+    legend = page.get_by_test_id("plot-row-0")
     expect(legend.locator(".key line")).to_have_count(9)  # of each run, with each dash
     dashes = legend.locator(".key line").evaluate_all(
         "lines => lines.map(line => line.getAttribute('stroke-dasharray'))"
@@ -150,20 +148,20 @@ def test_a_kept_run_is_told_by_its_colour_and_an_output_by_its_dash(program, bar
     assert timeline.state("s.kept.length") == 2
 
 
-def test_the_page_tells_moments_as_the_server_does(bare, program):
-    Timeline.open_preset(bare, program.url, "quad-bellows-spiral")
+def test_the_page_tells_moments_as_the_server_does(page, program):
+    Timeline.open_preset(page, program.url, "quad-bellows-spiral")
     for t, end, told in MOMENTS:
         asked = "([t, end]) => import('../../static/format.js').then((format) => format.clockText(t, end))"
-        page = bare.evaluate(asked, [t, end]).replace("\u2212", "-")
-        value, unit = page.split()
-        assert (f"{float(value):.4g} {unit}" if unit == "s" else page) == told
-    expect(bare.get_by_test_id("readout-end-time")).to_have_text("16:00")
+        shown = page.evaluate(asked, [t, end]).replace("\u2212", "-")
+        value, unit = shown.split()
+        assert (f"{float(value):.4g} {unit}" if unit == "s" else shown) == told
+    expect(page.get_by_test_id("readout-end-time")).to_have_text("16:00")
     sentence = "at -6.4 % L, from -0.5 to (-2) of 0-90 deg in 2026-11-26, 1e-5"
     minus = "text => import('../../static/format.js').then((format) => format.trueMinus(text))"
-    found = bare.evaluate(minus, sentence)
+    found = page.evaluate(minus, sentence)
     assert found == "at −6.4 % L, from −0.5 to (−2) of 0-90 deg in 2026-11-26, 1e-5".replace("−", "\u2212")
-    expect(bare.locator("#warnings summary", has_text="margin in pitch")).to_contain_text("0:16 to 0:32 min")
+    expect(page.locator("#warnings summary", has_text="margin in pitch")).to_contain_text("0:16 to 0:32 min")
     ticks = "import('../../static/timescale.js').then((m) => m.timeTicks({ from: 60, to: 150, end: 960 }, 6))"
-    assert bare.evaluate(f"() => {ticks}.then((t) => t.values.map(t.tell))") == [
+    assert page.evaluate(f"() => {ticks}.then((t) => t.values.map(t.tell))") == [
         "1:00", "1:15", "1:30", "1:45", "2:00", "2:15", "2:30",
     ]  # fmt: skip

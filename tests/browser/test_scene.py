@@ -50,10 +50,6 @@ def node(studio: StudioPage, name: str, what: str) -> Any:
     return view_of(studio.page).evaluate(f"() => {tree}['{name}']?.{what}")
 
 
-def seek(studio: StudioPage, t: float) -> None:
-    studio.page.evaluate(f"() => window.__studio.clock.seek({t})")
-
-
 def design_of(studio: StudioPage) -> Any:
     answer = studio.page.request.get(studio.url.split("?")[0] + "design.json")
     return loads_design(answer.text())
@@ -74,7 +70,7 @@ def test_pleats_breathe_as_the_server_would_draw_them(studio):
         studio.page.get_by_test_id("display").click()
         studio.page.get_by_test_id("exaggeration").select_option(f"{times:g}")
         studio.page.keyboard.press("Escape")
-        seek(studio, t)
+        studio.seek(t)
         extension = float(np.interp(t, run.times, run.cell_values["extension"][:, k]))
         expected = breath(part, times * (extension - part.neutral))
         assert expected[1] != 1.0, "the pleats are not at rest"
@@ -125,7 +121,7 @@ def test_a_path_of_one_value_says_it_once(panel):
 
 def test_the_offset_of_the_centres_is_drawn_to_scale_and_told_in_millimetres(studio):
     page = studio.page
-    seek(studio, 6.0)
+    studio.seek(6.0)
     run = simulate(design_of(studio))
     center = {
         name: np.array([np.interp(6.0, run.times, run.values[f"{name}_{axis}"]) for axis in "xz"])
@@ -150,7 +146,7 @@ def test_the_offset_of_the_centres_is_drawn_to_scale_and_told_in_millimetres(stu
 
 def test_moments_are_shown_when_asked_for_and_named_with_their_unit(turning):
     page = turning.page
-    seek(turning, 250.0)
+    turning.seek(250.0)
     assert node(turning, "/glider/moment_roll", "visibility") is False
     page.get_by_test_id("toggle-moments").click()
     for name, column in (("roll", "hydro_K"), ("pitch", "moment"), ("yaw", "hydro_N")):
@@ -174,7 +170,7 @@ def test_positive_roll_lowers_the_starboard_wing_on_screen(turning):
     turning.edit({"op": "replace", "path": "/mission/control/schedules/0/points/0/extension", "value": -0.7})
     turning.wait_until(lambda: turning.readout("end-roll") > math.radians(5.0))
     page.get_by_test_id("camera-chase").click()
-    seek(turning, 250.0)
+    turning.seek(250.0)
     turning.wait_until(lambda: turning.readout("roll") > math.radians(5.0))
     tips = [("/glider", (0.0, side, 0.0)) for side in (-0.6, 0.6)]
 
@@ -193,7 +189,7 @@ def test_positive_roll_lowers_the_starboard_wing_on_screen(turning):
 def test_the_compass_and_the_bar_follow_the_camera(turning):
     page = turning.page
     page.get_by_test_id("camera-chase").click()
-    seek(turning, 250.0)
+    turning.seek(250.0)
     turning.wait_until(lambda: abs(turning.readout("heading")) > 0.2)
     heading = round(math.degrees(turning.readout("heading"))) % 360
     compass = page.get_by_test_id("compass")
@@ -207,14 +203,12 @@ def test_the_compass_and_the_bar_follow_the_camera(turning):
     expect(page.get_by_test_id("camera-side")).to_have_attribute("aria-pressed", "true")
     # from starboard, across the way
     turning.wait_until(lambda: page.evaluate("() => window.__studio.view.camera") == "side")
-    text = page.get_by_test_id("scale-length").inner_text()
-    number, unit = text.split(" ")
-    length = float(number) * {"mm": 1e-3, "m": 1.0, "km": 1e3}[unit]
 
     def bar_is_true() -> bool:
-        a, b = on_canvas(turning, ("/glider", (0.0, 0.0, 0.0)), ("/glider", (0.0, 0.0, length)))
+        number, unit = page.get_by_test_id("scale-length").inner_text().split(" ")
+        length = float(number) * {"mm": 1e-3, "m": 1.0, "km": 1e3}[unit]
         width = page.locator("#scale-bar").bounding_box()["width"]
-        return width == pytest.approx(float(np.hypot(*(b - a))), rel=0.25)
+        return width == pytest.approx(view_of(page).evaluate(ACROSS, length), rel=0.05)
 
     turning.wait_until(bar_is_true)
 
@@ -228,7 +222,7 @@ def labels_in_sight(studio: StudioPage) -> list[str]:
 
 
 def test_depths_in_the_water_never_lie_over_each_other(turning):
-    seek(turning, 100.0)
+    turning.seek(100.0)
     for camera in ("chase", "top", "side"):
         turning.page.get_by_test_id(f"camera-{camera}").click()
 
@@ -271,18 +265,23 @@ OUTLINES = """() => {
   return [...found];
 }"""
 """Whether the outlines, which are told by a uniform of theirs, do without fog."""
+ACROSS = """length => {
+  const { nodeRefFromName, camera, canvas } = window.__viserMutable;
+  const place = nodeRefFromName["/glider"].getWorldPosition(camera.position.clone());
+  const above = place.clone().addScaledVector(camera.up.clone().setFromMatrixColumn(camera.matrixWorld, 1), length);
+  const [low, high] = [place, above].map((point) => point.project(camera).y);
+  return ((high - low) / 2) * canvas.clientHeight;
+}"""
+"""How long something at the glider, across the line of sight, is in the picture, px."""
 PANEL = re.compile("connected|connecting|ws://|save canvas|reset view|dev settings|scene tree", re.IGNORECASE)
 """What stands on the control panel of Viser's client."""
 
 
-def test_nothing_of_the_viewers_own_panel_lies_over_the_scene(studio_alone):
-    studio, page = studio_alone, studio_alone.page
+def test_nothing_of_the_viewers_own_panel_lies_over_the_scene(studio):
     for width in (1400, 390):  # the panel of a narrow window is another element
-        if width < 1400:
-            page.set_viewport_size({"width": width, "height": 844})
-            page.reload()
-        studio.scene("() => window.__viserMutable?.canvas && window.__viserSceneTree.getState()['/glider']")
-        words = view_of(page).get_by_text(PANEL)
+        studio.page.set_viewport_size({"width": width, "height": 844})
+        studio.scene(f"() => (innerWidth > 576) === {str(width > 576).lower()}")
+        words = view_of(studio.page).get_by_text(PANEL)
         studio.wait_until(lambda found=words: found.count() >= 3)
         studio.wait_until(lambda found=words: all(found.nth(k).bounding_box() is None for k in range(found.count())))
 
@@ -305,7 +304,7 @@ def test_a_kept_glide_flies_along_as_a_ghost(studio):
     page.get_by_test_id("ghost").select_option(label="Before")
     page.keyboard.press("Escape")
     studio.scene("() => '/ghost/silhouette' in window.__viserSceneTree.getState()")
-    seek(studio, 12.0)
+    studio.seek(12.0)
     expected = attitude_at(before, 12.0)
     # attitudes of thinned samples
     studio.wait_until(lambda: abs(np.dot(studio.pose("/ghost")["wxyz"], expected)) > 1.0 - 1e-5)

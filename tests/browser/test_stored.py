@@ -35,12 +35,6 @@ def named(name: str) -> Design:
     return Design.model_validate(document)
 
 
-@pytest.fixture
-def page(bare: Page) -> Page:
-    """A page without the 3D view, which is not what these journeys are about."""
-    return bare
-
-
 class Opened:
     """A session in a browser tab."""
 

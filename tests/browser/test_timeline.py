@@ -33,13 +33,13 @@ SAME_COMMAND = """async ([name, by, wrap]) => {
 
 
 @pytest.fixture
-def spiral(program, bare) -> Timeline:
-    return Timeline.open_preset(bare, program.url, SPIRAL)
+def spiral(program, page) -> Timeline:
+    return Timeline.open_preset(page, program.url, SPIRAL)
 
 
 @pytest.fixture
-def lake(program, bare) -> Timeline:
-    return Timeline.open_preset(bare, program.url, LAKE)
+def lake(program, page) -> Timeline:
+    return Timeline.open_preset(page, program.url, LAKE)
 
 
 def test_chosen_points_move_together_in_one_step_of_undo(spiral):
@@ -251,28 +251,6 @@ def test_lanes_and_plots_are_looked_at_closer_together(spiral):
     spiral.wait_until(lambda: spiral.scale("s.zoomed"))
 
 
-def test_a_click_moves_the_clock_and_the_scene_and_redraws_no_curve(program, page):
-    lake = Timeline.open_preset(page, program.url, LAKE)
-    lake.scene("() => window.__viserSceneTree && '/glider' in window.__viserSceneTree.getState()")
-    page.evaluate("""() => {
-      const proto = Object.getPrototypeOf(window.__studio.timeline.plots.rows[0].plot);
-      const { draw } = proto;
-      window.__drawn = 0;
-      proto.draw = function () { window.__drawn += 1; return draw.call(this); };
-    }""")
-    page.mouse.click(*lake.place(page.get_by_test_id("plot-1"), 15.0))
-    assert page.evaluate("() => window.__studio.clock.t") == pytest.approx(15.0, abs=0.1)
-    shown = f"{lake.readout('depth'):.3f} m"
-    expect(page.get_by_test_id("legend-depth")).to_have_text(shown)
-    lake.wait_until(lambda: abs(lake.pose("/glider")["wxyz"][2]) > 0.3)  # pitched up by 60 degrees
-    assert page.evaluate("() => window.__drawn") == 0
-    page.mouse.move(*lake.place(page.get_by_test_id("plot-1"), 5.0))
-    expect(page.locator("#tip")).to_contain_text("Pitch")
-    expect(page.get_by_test_id("cursor-depth")).not_to_be_empty()
-    z = lake.state("s.run.columns.z[s.run.columns.t.findIndex(t => t >= 5)]")
-    assert float(page.get_by_test_id("cursor-depth").inner_text()) == pytest.approx(z, abs=0.02)
-
-
 def test_outputs_are_chosen_searched_and_remembered(lake):
     page = lake.page
     page.get_by_test_id("add-plot").click()
@@ -321,9 +299,8 @@ def test_a_kept_run_is_laid_over(lake):
     page.wait_for_function(f"() => {kept}.length === 0")
 
 
-def test_what_happened_is_marked_over_the_lanes(program, bare):
+def test_what_happened_is_marked_over_the_lanes(program, page):
     """A yo-yo between waypoints."""
-    page = bare
     document = load_preset("quad-bellows-waypoints").model_dump(mode="json")
     document["mission"]["duration"] = 3000.0
     timeline = Timeline.open_document(page, program.url, document)
@@ -341,31 +318,31 @@ def test_what_happened_is_marked_over_the_lanes(program, bare):
     expect(page.get_by_test_id(f"lane-{PORT}")).to_have_attribute("data-controlled", "true")
 
 
-def test_marks_of_surface_switches_end_stops_and_bed(program, bare):
+def test_marks_of_surface_switches_end_stops_and_bed(program, page):
     document = load_preset("quad-bellows-waypoints").model_dump(mode="json")
     document["mission"]["duration"] = 300.0
     vertical = document["mission"]["control"]["controller"]["vertical"]
     vertical |= {"top": 0.0, "bottom": 40.0, "first": "climb"}
-    timeline = Timeline.open_document(bare, program.url, document)
+    timeline = Timeline.open_document(page, program.url, document)
 
     def marked(*kinds: str) -> None:
         timeline.wait_until(lambda: {e["kind"] for e in timeline.state("s.run.events")} == set(kinds))
         for kind in kinds:
-            mark = bare.locator(f".mark.{kind}").first
+            mark = page.locator(f".mark.{kind}").first
             expect(mark).to_be_visible()
             assert mark.locator("path").evaluate("path => path.getBBox().width") > 0.0
 
     marked("surface", "end_of_stroke")
-    expect(bare.locator(".mark.end_of_stroke").first).to_have_attribute("aria-label", re.compile("cell: end stop at"))
+    expect(page.locator(".mark.end_of_stroke").first).to_have_attribute("aria-label", re.compile("cell: end stop at"))
     dives = vertical | {"top": 0.5, "first": "dive"}
     timeline.edit({"op": "replace", "path": "/mission/control/controller/vertical", "value": dives})
     marked("climb")
     timeline.edit({"op": "replace", "path": "/mission/environment/bed_depth", "value": 30.0})
     marked("bed")
-    expect(bare.locator(".mark.bed")).to_have_attribute("aria-label", re.compile("^Bed at "))
-    bare.locator(".mark.bed").press("Enter")
+    expect(page.locator(".mark.bed")).to_have_attribute("aria-label", re.compile("^Bed at "))
+    page.locator(".mark.bed").press("Enter")
     end = timeline.state("s.run.columns.t.at(-1)")
-    assert bare.evaluate("() => window.__studio.clock.t") == pytest.approx(end, abs=0.01)
+    assert page.evaluate("() => window.__studio.clock.t") == pytest.approx(end, abs=0.01)
 
 
 def test_a_lane_is_hatched_where_the_cell_is_near_a_stop(lake):

@@ -15,13 +15,13 @@ SPOKEN = re.compile(r"^(\d+\.\d\d) s, Depth ")
 
 
 @pytest.fixture
-def lake(program, bare) -> Timeline:
-    return Timeline.open_preset(bare, program.url, "canete-dual-bellows")
+def lake(program, page) -> Timeline:
+    return Timeline.open_preset(page, program.url, "canete-dual-bellows")
 
 
-def test_points_are_chosen_by_keys(program, bare):
-    spiral = Timeline.open_preset(bare, program.url, "quad-bellows-spiral")
-    page, port, starboard = bare, "Front port cell", "Front starboard cell"
+def test_points_are_chosen_by_keys(program, page):
+    spiral = Timeline.open_preset(page, program.url, "quad-bellows-spiral")
+    page, port, starboard = page, "Front port cell", "Front starboard cell"
     before = {cell: spiral.times(cell) for cell in (port, starboard)}
     spiral.point(port, 1).focus()
     page.keyboard.press("Control+Space")

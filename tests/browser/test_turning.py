@@ -102,10 +102,10 @@ def test_forces_without_data_points_are_drawn_with_their_range(turning):
     expect(page.locator("#polar-fit")).to_be_hidden()
 
 
-def test_the_model_is_chosen_in_the_panel_and_told_what_is_missing(program, bare):
+def test_the_model_is_chosen_in_the_panel_and_told_what_is_missing(program, page):
     document = load_preset("canete-dual-bellows").model_dump(mode="json")
     document["vehicle"]["mass_properties"]["inertia"] |= {"xx": 1e-3, "zz": 1e-2}
-    page, studio = bare, PanelPage.open_document(bare, program.url, document)
+    page, studio = page, PanelPage.open_document(page, program.url, document)
     expect(page.get_by_test_id("readout-roll")).to_be_hidden()
     studio.open_section("mission")
     studio.choose("Model", "spatial")
