@@ -12,7 +12,9 @@ const newtons = (v) => fixed(v, Math.abs(v) >= 10 ? 2 : 4);
 const NEUTRAL = 1e-7; // 1/s: slower, a disturbance neither dies out nor grows
 
 // Where nothing disturbs it any more: 1/e of a disturbance is left after this long, or it has doubled.
-const settles = ({ hold }) => (hold?.trim?.growth < -NEUTRAL ? -1 / hold.trim.growth : undefined);
+// Time to 1/e of a trim's slowest small motion, s; undefined where it does not die out.
+export const settlesIn = (trim) => (trim?.growth < -NEUTRAL ? -1 / trim.growth : undefined);
+const settles = ({ hold }) => settlesIn(hold?.trim);
 const doubles = ({ hold }) => (hold?.trim?.growth > NEUTRAL ? Math.LN2 / hold.trim.growth : undefined);
 const seconds = (v) => fixed(v, v < 10 ? 2 : 1);
 
@@ -29,6 +31,14 @@ const worst = (name, show) => ({ consequences }) => {
 };
 
 const spent = (read) => ({ consequences }) => (consequences.energy ? read(consequences.energy.whole) : undefined);
+
+// Where a command moves the cells at time zero, the run begins with another buoyancy than they start with.
+function commandedAtOnce({ state }) {
+  const moved = state?.schedules.some(({ initial, points: [first] }) => first?.time === 0 && first.extension !== initial);
+  const [start, begun] = [state?.mass.net_buoyancy, state?.run?.columns.net_buoyancy?.[0]];
+  return moved && Math.abs(begun - start) > 1e-4 ? { text: `${newtons(begun)} N once the commands of time 0 are met` } : undefined;
+}
+
 const actuators = ({ parts }) => Object.values(parts).reduce((sum, joules) => sum + joules, 0);
 const sideways = "spatial";
 
@@ -49,7 +59,7 @@ export const TRIM = [
 export const BALANCE = [
   ["mass", "Mass", "g", mass, ({ consequences }) => consequences.mass, "All components, or as declared"],
   ["displaced-volume", "Displaced volume", "cm³", volume, ({ state }) => state?.mass.displaced_volume, "Of all components, cells as at the start", { own: true }],
-  ["start-net-buoyancy", "Net buoyancy at start", "N", newtons, ({ state }) => state?.mass.net_buoyancy, "All cells at their extension at start, in the density of the surface, fully immersed", { own: true }],
+  ["start-net-buoyancy", "Net buoyancy at start", "N", newtons, ({ state }) => state?.mass.net_buoyancy, "All cells at their extension at start, before any command moves them, in the density of the surface, fully immersed", { own: true, note: commandedAtOnce }],
   ["held-net-buoyancy", "Net buoyancy held", "N", newtons, ({ hold }) => hold?.reserve.now, "Buoyancy less weight with the cells as held, at the depth of the trim, nothing compressed"],
   ["reserve-up", "Cells can add", "N", newtons, ({ hold }) => hold && hold.reserve.most - hold.reserve.now, "Until every cell is as large as its stops allow",
     { note: ({ hold }) => hold && hold.reserve.most > hold.reserve.least && { text: `${percent(1 - hold.reserve.share, 0)} % of the stroke` } }],

@@ -8,6 +8,7 @@ import { shown, typed, unitNow } from "./unitchoice.js";
 const PATIENCE = 450; // ms of a pointer at rest
 const PAUSE = 1500; // ms without a key in a box
 const GAP = 8;
+const MANY = 1e6; // of the unit of the box: so far away a limit is said in SI
 
 let box = null;
 let timer = null;
@@ -24,8 +25,8 @@ function made() {
 const figures = (value) => (typeof value === "number" ? trueMinus(String(Number(value.toPrecision(7)))) : Array.isArray(value) && value.every((v) => typeof v === "number") ? `[${value.map(figures).join(", ")}]` : null);
 
 function limits({ low, high, aboveLow, quantity, unit }) {
-  const { symbol } = unitNow(quantity, unit);
-  const say = (value) => `${shown(value, unitNow(quantity, unit))} ${symbol}`.trim();
+  const { symbol, per } = unitNow(quantity, unit);
+  const say = (value) => (Math.abs(value * per) < MANY ? `${shown(value, unitNow(quantity, unit))} ${symbol}` : `${figures(value)} ${unit}`).trim();
   const parts = [low != null && `${aboveLow ? "above" : "from"} ${say(low)}`, high != null && `up to ${say(high)}`].filter(Boolean);
   return parts.length ? parts.join(" ") : null;
 }
@@ -100,7 +101,7 @@ export function helpOn(root, specOf) {
 }
 
 function key(event, open, openAfter) {
-  if (event.key === "Escape") hideHelp();
+  if (event.key === "Escape" || event.key === "Enter") hideHelp(); // what follows is to be looked at
   else if (event.key === "F1") {
     event.preventDefault();
     hideHelp();

@@ -28,11 +28,11 @@ const path = (points, name) => svg("polyline", { class: name, points: points.map
 
 function grid({ x, y, low, high, top }) {
   const nodes = [];
-  for (const v of [-10, -1, -0.1, 0, 0.1, 1, 10]) {
+  for (const v of [-10, -3, -1, -0.3, -0.1, 0, 0.1, 0.3, 1, 3, 10]) {
     if (squeezed(v) < low || squeezed(v) > high) continue;
     nodes.push(path([[x(v), PAD.top], [x(v), HEIGHT - PAD.bottom]], v === 0 ? "axis" : "grid"), label(x(v), HEIGHT - PAD.bottom + 11, fixed(v, v && Math.abs(v) < 1 ? 1 : 0)));
   }
-  for (const v of [0, 0.1, 1, 10]) {
+  for (const v of [0, 0.1, 0.3, 1, 3, 10]) {
     if (squeezed(v) > top) continue;
     nodes.push(path([[PAD.left, y(v)], [WIDTH - PAD.right, y(v)]], v === 0 ? "axis" : "grid"), label(WIDTH - PAD.right + 4, y(v) + 3, fixed(v, v && v < 1 ? 1 : 0), "start"));
   }
@@ -79,9 +79,9 @@ function mark(mode, k, scale, { chosen, choose, point }) {
 export function drawPlane(modes, { chosen, choose, point }) {
   const scale = scales(modes);
   const unstable = svg("rect", { class: "unstable", x: scale.x(0), y: PAD.top, width: Math.max(WIDTH - PAD.right - scale.x(0), 0), height: HEIGHT - PAD.top - PAD.bottom });
-  return svg("svg", { class: "plane", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "group", "aria-label": "Eigenvalues: growth to the right, oscillation up", "data-testid": "modes-plane" },
+  return svg("svg", { class: "plane", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "group", "aria-label": "Eigenvalues: growth to the right, oscillation up; both scales are linear near 0 and logarithmic beyond", "data-testid": "modes-plane" },
     unstable, ...grid(scale), ...rays(scale),
-    label((PAD.left + WIDTH - PAD.right) / 2, HEIGHT - 3, "dies out ← growth (1/s) → grows"),
+    label((PAD.left + WIDTH - PAD.right) / 2, HEIGHT - 3, "dies out ← growth (1/s, symlog) → grows"),
     svg("text", { "text-anchor": "middle", transform: `translate(${WIDTH - 4} ${(PAD.top + HEIGHT - PAD.bottom) / 2}) rotate(-90)` }, "oscillation (rad/s)"),
     ...modes.map((mode, k) => mark(mode, k, scale, { chosen: k === chosen, choose, point })));
 }

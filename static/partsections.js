@@ -48,6 +48,15 @@ function extensionAtStart(ctx, part) {
   };
 }
 
+const SAME = 1e-3; // of a stroke: nearer, two extensions read the same
+
+// Said where it differs, as the lane begins at it.
+function commandAtStart(ctx, part) {
+  const first = ctx.design.mission.control.schedules.find(({ cell }) => cell === part.name)?.points[0];
+  const [low, high] = ctx.facts.stroke[part.name] ?? [0, 0];
+  return first?.time === 0 && Math.abs(first.extension - ctx.facts.start[part.name]) > SAME * (high - low) ? [readout("Commanded at 0 s", first.extension, part.kind === "rolling_mass" ? "rad" : "m")] : [];
+}
+
 function axisSpec(ctx, holder, schema, part) {
   const verb = { rolling_mass: "Turns about", movable_mass: "Slides" }[part.kind] ?? "Grows";
   const spec = fieldSpec(ctx, holder, schema, "axis");
@@ -62,7 +71,7 @@ function axisSpec(ctx, holder, schema, part) {
 function special(ctx, name, { holder, schema, part }) {
   const volumes = ctx.facts.volumes[part.name];
   switch (name) {
-    case "*extension": return part.kind === "rigid" ? [] : [extensionAtStart(ctx, part)];
+    case "*extension": return part.kind === "rigid" ? [] : [extensionAtStart(ctx, part), ...commandAtStart(ctx, part)];
     case "*volumes": return volumes ? [readout("Volume at start", volumes.start, "m3"), ...(part.kind === "piston" ? [] : [readout("Neutral volume", volumes.neutral, "m3")])] : [];
     case "*table": return part.kind === "bladder" ? [columnsSpec(ctx, holder, schema, ["extensions", "volumes"], { label: "Table" })] : [];
     default: return part.kind === "rigid" ? [] : axisSpec(ctx, holder, schema, part);

@@ -45,8 +45,8 @@ export class PlotAxis {
     const perUnit = inner / (this.high - this.low || 1);
     this.y = (value) => top + (this.down ? value * this.unit.per - this.low : this.high - value * this.unit.per) * perUnit;
     const count = this.right ? 3 : inner > 80 ? 4 : 3;
-    const wide = this.symbol === "°" && !this.right && this.high - this.low > WIDE_ANGLES;
-    const { values, digits } = wide ? angleTicks(this.low, this.high) : ticks(this.low, this.high, count);
+    const wide = this.symbol === "°" && this.high - this.low > WIDE_ANGLES;
+    const { values, digits } = wide ? angleTicks(this.low, this.high, this.right ? 3 : 4) : ticks(this.low, this.high, count);
     const step = values.length > 1 ? values[1] - values[0] : 1;
     const every = Math.max(1, Math.ceil(APART / (step * perUnit)));
     const shown = values.filter((v) => Math.round(v / step) % every === 0);

@@ -34,7 +34,7 @@ function legend({ data, chosen, law, folds }, { whole, trims }) {
   const rows = items.map(([text, key]) => el("span", {}, key, text));
   rows.push(el("span", {}, el("i", { class: "key law" }), `law in use: ${law.what}`));
   rows.push(el("span", {}, el("i", { class: "key now" }), "angle of attack now"));
-  for (const { words } of trims) rows.push(el("span", { "data-testid": "polar-trim" }, legendKey((c) => drawTrim(c, 8, 7)), words));
+  trims.forEach(({ words }, k) => rows.push(el("span", { "data-testid": "polar-trim" }, legendKey((c) => drawTrim(c, k + 1, 8, 7)), words)));
   const rest = folds ? "angles measured; the rest by symmetry and reflection" : "angles that the data are meant for";
   if (whole) rows.push(el("span", {}, el("i", { class: "key measured" }), rest));
   return rows;

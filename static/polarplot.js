@@ -45,12 +45,19 @@ export function drawDot(context, x, y) {
 }
 
 // A ring, so that the law and the data under it stay in sight.
-export function drawTrim(context, x, y) {
+// Told apart by their numbers, from 1.
+export function drawTrim(context, number, x, y) {
   context.beginPath();
-  context.arc(x, y, 4.5, 0, 2 * Math.PI);
-  context.strokeStyle = cssColor("--good");
-  context.lineWidth = 2;
+  context.arc(x, y, 6, 0, 2 * Math.PI);
+  context.fillStyle = cssColor("--plot-bg");
+  context.fill();
+  context.strokeStyle = context.fillStyle = cssColor("--good");
+  context.lineWidth = 1.5;
   context.stroke();
+  context.font = "600 9px system-ui, sans-serif";
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.fillText(String(number), x, y + 0.5);
 }
 
 // Every degree is given, so the value between two is read off the line that is drawn.
@@ -111,7 +118,7 @@ export class PolarPlot {
     this.drawLaw(context);
     context.restore();
     this.drawData(context);
-    for (const { attack } of this.trims) this.markTrim(context, attack);
+    this.trims.forEach(({ attack }, k) => this.markTrim(context, k + 1, attack));
   }
 
   drawGrid(context, low, high) {
@@ -163,10 +170,10 @@ export class PolarPlot {
     chosen.alpha_deg.forEach((a, i) => drawDot(context, this.x(a), this.y(chosen[this.quantity][i])));
   }
 
-  markTrim(context, attack) {
+  markTrim(context, number, attack) {
     const there = this.whole ? attack : mirrored(attack, this.document);
     if (there < this.low || there > this.high) return;
-    drawTrim(context, this.x(there), this.y(lawAt(this.document.law, this.quantity, there)));
+    drawTrim(context, number, this.x(there), this.y(lawAt(this.document.law, this.quantity, there)));
   }
 
   // The angle under the pointer, or null beside the axes.

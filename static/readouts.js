@@ -1,7 +1,7 @@
 // The right column: what the design and its glide amount to, in numbers.
 
 import { call } from "./api.js";
-import { BALANCE, ENERGY, MARGINS, TRIM, withinSource } from "./consequencerows.js";
+import { BALANCE, ENERGY, MARGINS, settlesIn, TRIM, withinSource } from "./consequencerows.js";
 import { $, el, setText } from "./dom.js";
 import { clockText, degrees, fixed, trueMinus } from "./format.js";
 import { connectGroups } from "./groups.js";
@@ -22,6 +22,12 @@ function noTrim({ hold }) {
     return `No steady glide: the glider weighs what it displaces. At rest it hangs at pitch ${degrees(hold.rest.pitch)}°${roll}.`;
   }
   return hold.why ? `No steady glide: ${trueMinus(hold.why)}.` : "";
+}
+
+// A steady glide that takes longer to come about than anybody waits for it is not what the run shows.
+function tooShort({ trim, spans }, end) {
+  const [longest, slowest] = [Math.max(...spans.map(([from, to]) => to - from)), settlesIn(trim)];
+  return slowest > longest ? `Held ${clockText(longest, end)}, less than the ${clockText(slowest, slowest)} in which it settles: the run does not come to this glide.` : "";
 }
 
 const readyReference = (reference, state) => state?.kept?.find((kept) => kept.id === reference && isReady(kept));
@@ -138,6 +144,7 @@ class Readouts {
     setText($("held-message"), [
       found && isLeftOut(consequences, this.clock.t, found) ? `What is held now is shorter than the holds told: shown is the one held ${spansText([found.span], end)}.` : "",
       about ? "Cells as they mostly are in this phase." : "",
+      trim && found ? tooShort(found.hold, end) : "",
       trim && others ? `${others} other steady motion${others > 1 ? "s" : ""} at these extensions, ${found.hold.stable_others || "none"} of them stable.` : "",
       unreached.length ? `The run ended before what is held ${unreached.map(({ spans }) => spansText(spans, end)).join(", ")}: not reached.` : "",
       left ? `${left} shorter hold${left > 1 ? "s are" : " is"} not told.` : "",

@@ -1,7 +1,8 @@
 // Moves the 3D scene with the clock: what it should show at each moment, and the ghost of a kept run beside it.
 
 import { postClock, postShown, showInScene } from "./api.js";
-import { $ } from "./dom.js";
+import { $, setText } from "./dom.js";
+import { fixed } from "./format.js";
 import { columnsOf, isReady } from "./keptruns.js";
 import { bedInSight, largestForce, largestMoment, pathBox, positionAt, sceneAt, visibility } from "./scene.js";
 import { Viewer } from "./viewer.js";
@@ -46,6 +47,18 @@ export function connectScene({ store, clock, onKey }) {
     const how = { anchor, exaggeration, offset, largest: largest.force, largestTurn: largest.turn, turning: camera === "chase" };
     const wanted = sceneAt(state, clock.t, { ...how, beacon: far && BEACON * far.size, ghost });
     viewer.show(store.get("modePlay")?.onto(wanted) ?? wanted, clock.t);
+    tellGhost(state);
+  }
+
+  // In words too, as it may be out of sight.
+  function tellGhost(state) {
+    const kept = ghost && state.kept.find(({ id }) => id === view().ghost);
+    $("scene-ghost").hidden = !kept;
+    if (!kept) return;
+    const [there, here] = [positionAt({ columns: ghost }, clock.t), positionAt(state.run, clock.t)];
+    const away = there.map((v, k) => v - here[k]);
+    const deeper = Math.abs(away[2]) < 5e-4 ? "as deep" : `${fixed(Math.abs(away[2]), 3)} m ${away[2] > 0 ? "deeper" : "higher"}`;
+    setText($("scene-ghost"), `Ghost ${kept.name}: ${fixed(Math.hypot(...away), 3)} m away, ${deeper}`);
   }
 
   // The server draws the ghost for all pages of the session; each moves it by its own clock.

@@ -131,8 +131,8 @@ export function timeTicks({ from, to, end }, count) {
 export const timeStep = (end) => Math.max(0.1, niceStep(end, 1000));
 
 // Angles read best in parts of a right angle.
-export function angleTicks(low, high) {
-  const step = [5, 10, 15, 30, 45, 90].find((s) => (high - low) / s <= 4.2) ?? 180;
+export function angleTicks(low, high, count = 4) {
+  const step = [5, 10, 15, 30, 45, 90, 180].find((s) => (high - low) / s <= count + 0.2) ?? 360 * Math.ceil((high - low) / (360 * count));
   const values = [];
   for (let v = Math.ceil(low / step) * step; v <= high; v += step) values.push(v);
   return { values, digits: 0 };

@@ -151,6 +151,34 @@ def test_a_wanted_glide_holds_in_its_span_alone(program, page):
         assert found == {"held": True, "kept": True, "rising": True}, name
 
 
+def test_a_glide_that_its_hold_is_too_short_for_says_so(panel):
+    page = panel.page
+    panel.wait_for_consequences()
+    growth = page.evaluate("() => window.__studio.consequences.holds[0].trim.growth")
+    assert -1.0 / growth > 10.0, "the paper's glider turns round long before it has settled"
+    told = f"Held 10.0 s, less than the {-1.0 / growth:.1f} s in which it settles"
+    expect(page.get_by_test_id("held-message")).to_contain_text(told)
+    switch = {"op": "replace", "path": "/mission/control/schedules/0/points/1/time", "value": 100.0}
+    panel.edit(switch, {"op": "replace", "path": "/mission/duration", "value": 110.0})
+    panel.wait_until(lambda: panel.state("s.run?.columns.t.at(-1)") == 110.0)
+    panel.wait_for_consequences()
+    panel.seek(50.0)
+    expect(page.get_by_test_id("held-message")).not_to_contain_text("less than")
+
+
+def test_what_a_command_of_time_zero_changes_is_told(panel):
+    panel.wait_for_consequences()
+    first = panel.at("mission", "control", "schedules", 0, "points", 0)
+    commanded = panel.row("Commanded at 0 s")
+    expect(commanded).to_contain_text(f"{1e3 * first['extension']:.1f}")
+    begun = panel.state("s.run.columns.net_buoyancy[0]")
+    note = panel.page.locator("#balance").get_by_text("N once the commands of time 0 are met")
+    expect(note).to_contain_text(f"{begun:.4f} N".replace("-", "\u2212"))
+    panel.type_number("Extension at start", 1e3 * first["extension"])
+    expect(commanded).to_have_count(0)
+    expect(note).to_be_hidden()
+
+
 def test_the_polars_show_the_trims_and_the_run_its_error(panel):
     page = panel.page
     panel.wait_for_consequences()

@@ -313,9 +313,15 @@ def test_a_kept_glide_flies_along_as_a_ghost(studio):
     here = [np.interp(12.0, before.times, before.values[name]) for name in ("x", "z")]
     now = [studio.readout("distance"), studio.readout("depth")]
     assert (ghost - glider)[[0, 2]] == pytest.approx(np.subtract(here, now), abs=1e-4)
+    away, deeper = np.hypot(*np.subtract(here, now)), here[1] - now[1]
+    told = page.get_by_test_id("scene-ghost").inner_text()
+    figures = [float(number) for number in re.findall(r"\d+\.\d+", told)]
+    assert told.startswith("Ghost Before: ") and told.endswith("deeper" if deeper > 0 else "higher")
+    assert figures == pytest.approx([away, abs(deeper)], abs=6e-4)
     page.get_by_test_id("display").click()
     page.get_by_test_id("ghost").select_option("")
     studio.scene("() => !('/ghost/silhouette' in window.__viserSceneTree.getState())")
+    expect(page.get_by_test_id("scene-ghost")).to_be_hidden()
 
 
 def test_the_keys_of_the_scene_are_listed_and_move_the_camera(studio):
