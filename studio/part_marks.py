@@ -1,4 +1,6 @@
-"""Owns which parts of a session are locked and which are hidden; neither is in the document, nor changes the physics.
+"""Owns which parts of a session are locked and which are hidden, and whether those that mirror each other go together.
+
+None of it is in the document, nor changes the physics.
 
 A locked part cannot be changed by anybody until it is unlocked: neither its fields, nor its schedule, nor its extension
 at start. Parts are known by name, and marks follow a part that gets another one.
@@ -14,16 +16,22 @@ from models.design import Design
 from models.problems import DesignError, Problem, pointer_to
 from models.schedule import Schedule
 
-Document = dict[str, list[str]]
+Document = dict[str, Any]
 FLAGS = ("locked", "hidden")
 
 
 class PartMarks:
-    """The marks of one session. Safe to use from several threads."""
+    """The marks of one session. Safe to use from several threads.
 
-    def __init__(self, locked: frozenset[str] = frozenset(), hidden: frozenset[str] = frozenset()) -> None:
+    `linked` tells whether a part that is edited or dragged by hand takes its mirror image along.
+    """
+
+    def __init__(
+        self, locked: frozenset[str] = frozenset(), hidden: frozenset[str] = frozenset(), *, linked: bool = True
+    ) -> None:
         self._lock = threading.Lock()
         self._marked = {"locked": locked, "hidden": hidden}
+        self.linked = linked
 
     @property
     def locked(self) -> frozenset[str]:
@@ -44,7 +52,8 @@ class PartMarks:
 
     def document(self) -> Document:
         """Return the marks as the session's file keeps them."""
-        return {flag: sorted(names) for flag, names in self._marked.items()}
+        marked = {flag: sorted(names) for flag, names in self._marked.items()}
+        return marked | {"linked": self.linked}
 
     def follow(self, before: Design, after: Design) -> None:
         """Give renamed parts their marks under the new name, and forget those of parts that are gone."""
@@ -59,6 +68,7 @@ class PartMarks:
         """Forget all marks: another document has come."""
         with self._lock:
             self._marked = {flag: frozenset() for flag in FLAGS}
+            self.linked = True
 
     def require_free(self, before: Design, after: Design) -> None:
         """Raise `DesignError` where a change reaches a locked part."""
@@ -79,7 +89,7 @@ def read_marks(document: Any) -> PartMarks:
     """Return the marks of a session's file; none where it was written before there were any."""
     given = document if isinstance(document, dict) else {}
     locked, hidden = (frozenset(str(name) for name in given.get(flag) or ()) for flag in FLAGS)
-    return PartMarks(locked, hidden)
+    return PartMarks(locked, hidden, linked=given.get("linked") is not False)
 
 
 def _new_names(before: Design, after: Design) -> dict[str, str]:

@@ -71,7 +71,6 @@ class Session:
         self.kept = KeptRuns(kept)
         self._again = KeptAgain(self.kept, limits=limits, on_done=self.touch)
         self.marks = PartMarks()
-        self._linked = True
         self._display = display
         self._identity: tuple[Design, str] | None = None
         self._selected = design.vehicle.actuated[0][0] if design.vehicle.actuated else 0
@@ -176,7 +175,7 @@ class Session:
 
         def make(design: Design) -> Design:
             edited = apply_patch(design, changes.completed(design, patch))
-            along = followed(design, edited, staying=self.marks.locked) if paired and self._linked else []
+            along = followed(design, edited, staying=self.marks.locked) if paired and self.marks.linked else []
             return apply_patch(edited, along) if along else edited
 
         return self._change(make, merge=key, within=within)
@@ -184,11 +183,11 @@ class Session:
     @property
     def linked(self) -> bool:
         """Whether a part that is edited or dragged by hand takes its mirror image along."""
-        return self._linked
+        return self.marks.linked
 
     def link(self, linked: bool) -> None:
         """Have mirror images go along, or stay."""
-        self._linked = linked
+        self.marks.linked = linked
         self._runner.touch()
 
     def set_field(self, pointer: str, value: Any) -> Design:

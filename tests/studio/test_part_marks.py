@@ -61,17 +61,18 @@ def test_marks_follow_a_new_name_and_end_with_their_part(session: Session) -> No
     session.mark(1, hidden=True)
     session.mark(2, locked=True, hidden=True)
     session.set_field(f"{FRONT}/name", "Nose")
-    assert session.marks.document() == {"locked": ["Rear bellows"], "hidden": ["Nose", "Rear bellows"]}
+    assert session.marks.locked == {"Rear bellows"} and session.marks.hidden == {"Nose", "Rear bellows"}
     session.undo()
     assert session.marks.hidden == {"Front bellows", "Rear bellows"}
     session.edit([{"op": "remove", "path": FRONT}])
-    assert session.marks.document() == {"locked": ["Rear bellows"], "hidden": ["Rear bellows"]}
+    assert session.marks.locked == session.marks.hidden == {"Rear bellows"}
 
 
 def test_another_document_has_no_marks_and_no_lock_holds_it_back(session: Session) -> None:
     session.mark(1, locked=True)
+    session.link(False)
     session.replace(session.design.model_copy(update={"name": "Another"}))
-    assert session.design.name == "Another" and not session.marks.locked
+    assert session.design.name == "Another" and not session.marks.locked and session.linked
 
 
 def test_hiding_changes_neither_document_nor_revision(session: Session) -> None:
@@ -98,15 +99,17 @@ def test_marks_last_as_long_as_the_file(kernel: None, dual_bellows: object, tmp_
     opened, _ = sessions.create(dual_bellows)  # type: ignore[arg-type]
     opened.session.mark(1, locked=True)
     opened.session.mark(2, hidden=True)
+    opened.session.link(False)
     opened.save()
     sessions.close()
     again = Sessions(tmp_path)
     found = again.find(opened.session.id)
     assert found is not None
-    assert found.session.marks.document() == {"locked": ["Front bellows"], "hidden": ["Rear bellows"]}
+    assert found.session.marks.document() == {"locked": ["Front bellows"], "hidden": ["Rear bellows"], "linked": False}
+    assert not found.session.linked
     again.close()
 
 
 @pytest.mark.parametrize("document", [None, {}, {"locked": None}, "nonsense"])
 def test_a_file_of_before_has_no_marks(document: object) -> None:
-    assert read_marks(document).document() == PartMarks().document() == {"locked": [], "hidden": []}
+    assert read_marks(document).document() == PartMarks().document() == {"locked": [], "hidden": [], "linked": True}
