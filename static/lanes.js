@@ -33,8 +33,17 @@ const KEYS = [
   [["Shift+click", "Ctrl+click"], "Add the point to those chosen, or take it away"],
   [["drag", "Shift+drag"], "On a point: move it, or all that are chosen; elsewhere: choose what the sweep goes round (Shift: too)"],
   ["Alt+drag", "Move without snapping"],
-  ["double click", "Add a point (Alt: without snapping)"],
+  ["double click", "Add a point, on the command where that is near (Alt: without snapping)"],
 ];
+
+const NEAR = 5; // px: a double click so near the command adds a point on it
+
+// A point where the command is at a time, so that it changes nothing until it is moved.
+function onCommand(lane, time) {
+  const { points } = lane.schedule;
+  const shape = points.find((p) => p.time > time)?.shape === "ramp" ? "ramp" : "step"; // part of a ramp stays on it
+  return { time, extension: commandAt(points, lane.startValue(), time), shape };
+}
 
 export class LaneSet {
   // actions: edit(patch, {onRefused}), editLatest(patch), select(component index); onDrop: after a drag, when the axis may follow
@@ -175,18 +184,18 @@ export class LaneSet {
     const [x, y] = lane.offset(event);
     const [t, e] = [this.scale.t(x), lane.valueAt(y)];
     const time = event.altKey ? t : this.snap.times(t, this.scale);
-    const extension = lane.limited(event.altKey ? e : this.snap.extensions(e, lane.unit));
-    return this.change(lane.schedule.cell, (schedule) => addPatch(schedule, { time, extension, shape: "step" }));
+    const there = onCommand(lane, time);
+    if (Math.abs(lane.y(there.extension) - y) > NEAR) {
+      there.extension = lane.limited(event.altKey ? e : this.snap.extensions(e, lane.unit));
+      there.shape = "step";
+    }
+    return this.change(lane.schedule.cell, (schedule) => addPatch(schedule, there));
   }
 
-  // Where the command is at that moment, so that it changes nothing until it is moved.
   addAtClock(lane) {
-    const time = this.snap.times(this.clock.t, this.scale);
-    const extension = commandAt(lane.schedule.points, lane.startValue(), time);
-    const next = lane.schedule.points.find((p) => p.time > time);
-    const shape = next?.shape === "ramp" ? "ramp" : "step"; // part of a ramp stays on it
-    const answer = this.change(lane.schedule.cell, (schedule) => addPatch(schedule, { time, extension, shape }));
-    return answer && this.chooseWhenDone(answer, new Map([[lane.schedule.cell, [time]]]));
+    const there = onCommand(lane, this.snap.times(this.clock.t, this.scale));
+    const answer = this.change(lane.schedule.cell, (schedule) => addPatch(schedule, there));
+    return answer && this.chooseWhenDone(answer, new Map([[lane.schedule.cell, [there.time]]]));
   }
 
   whyFixed({ schedule, locked }) {

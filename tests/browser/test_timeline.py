@@ -14,6 +14,7 @@ pytestmark = pytest.mark.browser
 
 SPIRAL, LAKE = "quad-bellows-spiral", "canete-dual-bellows"
 PORT, STARBOARD, REAR_PORT = "Front port cell", "Front starboard cell", "Rear port cell"
+COMMAND_Y = "([name, e]) => window.__studio.timeline.lanes.lanes.get(name).y(e)"
 SAME_COMMAND = """async ([name, by, wrap]) => {
   const copy = await import("../../static/schedulecopy.js");
   const { schedules, duration } = window.__studio.state;
@@ -392,6 +393,24 @@ def test_bookmarks_and_the_played_range_are_dragged(lake):
     page.wait_for_function("() => !window.__studio.clock.playing")
     page.keyboard.press("l")
     assert page.evaluate("() => (c => c.playing && c.t < c.range.to)(window.__studio.clock)")
+
+
+def test_a_double_click_adds_a_point_on_the_command_or_where_it_is(lake):
+    page, name = lake.page, "Front bellows"
+    first, last = lake.points(name)
+    lane = lake.lane(name)
+    for t, beside, extension in ((5.0, 3.0, first["extension"]), (15.0, -3.0, last["extension"])):
+        count = len(lake.points(name))
+        box, on = lane.bounding_box(), page.evaluate(COMMAND_Y, [name, extension])
+        page.mouse.dblclick(box["x"] + lake.scale(f"s.x({t})"), box["y"] + on + beside)
+        lake.wait_until(lambda count=count: len(lake.points(name)) == count + 1)
+        (added,) = (point for point in lake.points(name) if point["time"] == pytest.approx(t, abs=0.11))
+        assert added["extension"] == pytest.approx(extension, abs=1e-7)
+    box, off = lane.bounding_box(), page.evaluate(COMMAND_Y, [name, 0.0176])
+    page.mouse.dblclick(box["x"] + lake.scale("s.x(7.0)"), box["y"] + off)
+    lake.wait_until(lambda: len(lake.points(name)) == 5)
+    (added,) = (point for point in lake.points(name) if point["time"] == pytest.approx(7.0, abs=0.11))
+    assert added["extension"] == pytest.approx(0.0176, abs=2e-4)
 
 
 def test_a_locked_cell_keeps_its_schedule(lake):
