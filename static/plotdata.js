@@ -2,11 +2,14 @@
 
 import { latestWins } from "./api.js";
 import { CURRENT, columnsOf, getOutputs, isReady } from "./keptruns.js";
+import { ofFlow } from "./series.js";
+
+const FLOW = ["alpha", "beta", "flow_angle"]; // angles that a glider at rest has not
 
 export class PlotData {
   // `onLoad` is called when curves have come that were not there.
   constructor(onLoad) {
-    Object.assign(this, { onLoad, run: null, number: 0, fetched: null, kept: [], ofKept: new Map(), outputs: null, outputsOf: null });
+    Object.assign(this, { onLoad, run: null, number: 0, fetched: null, kept: [], ofKept: new Map(), flow: new WeakMap(), outputs: null, outputsOf: null });
     this.fetch = latestWins((names, number) => this.load(names, number));
   }
 
@@ -21,7 +24,7 @@ export class PlotData {
   // {t, values, unit} of the present run, or null where it is not known (yet). What is asked for anew stays meanwhile.
   curve(name) {
     const own = this.run?.columns[name];
-    if (own) return { t: this.run.columns.t, values: own, unit: this.run.units[name] };
+    if (own) return { t: this.run.columns.t, values: this.moving(name, this.run.columns), unit: this.run.units[name] };
     const [variable, cell] = name.split("@");
     const found = cell && this.run?.cells.find((each) => each.name === cell);
     if (found?.[variable]) return { t: this.run.columns.t, values: found[variable], unit: found.unit };
@@ -31,7 +34,15 @@ export class PlotData {
 
   keptCurve(id, name) {
     const answer = this.ofKept.get(id);
-    return answer?.columns[name] ? { t: answer.t, values: answer.columns[name] } : null;
+    return answer?.columns[name] ? { t: answer.t, values: this.moving(name, answer.columns) } : null;
+  }
+
+  // Without the angles of the flow where there is none; worked out once for each column.
+  moving(name, columns) {
+    const values = columns[name];
+    if (!FLOW.includes(name) || !columns.speed) return values;
+    if (!this.flow.has(values)) this.flow.set(values, ofFlow(values, columns.speed));
+    return this.flow.get(values);
   }
 
   // Asks for what is not in the State, once a run; and for kept runs all that is shown.
@@ -60,7 +71,7 @@ export class PlotData {
   async needKept(id, names) {
     const held = this.ofKept.get(id);
     if (!names.length || names.every((name) => held?.asked.includes(name))) return;
-    const asked = [...new Set([...(held?.asked ?? []), ...names])];
+    const asked = [...new Set([...(held?.asked ?? []), ...names, ...(names.some((name) => FLOW.includes(name)) ? ["speed"] : [])])];
     this.ofKept.set(id, { columns: {}, ...held, asked });
     try {
       const answer = await columnsOf(id, asked);

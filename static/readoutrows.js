@@ -1,11 +1,10 @@
 // Which numbers of the run and of the design the right column shows, in which unit, and where each comes from.
 
 import { clockText, compass, cubicCentimetres, degrees, fixed, grams, longerThan, scientific } from "./format.js";
-import { angleAt, at } from "./series.js";
+import { angleAt, at, isMoving } from "./series.js";
 
 const now = (key, read = at) => (run, place) => read(run.columns[key], place);
-const STILL = 1e-4; // m/s: slower, the flow has no direction, only noise
-const ofFlow = (key, read = at) => (run, place) => (at(run.columns.speed, place) > STILL ? read(run.columns[key], place) : NaN);
+const ofFlow = (key, read = at) => (run, place) => (isMoving(at(run.columns.speed, place)) ? read(run.columns[key], place) : NaN);
 const last = (key) => ({ run }) => run?.columns[key]?.at(-1);
 export const metres = (v) => fixed(v, Math.abs(v) >= 1e4 ? 0 : 3);
 const FULL = 2 * Math.PI;

@@ -27,9 +27,16 @@ export function angleAt(values, place) {
   if (!values?.length) return NaN;
   const a = values[place.i];
   const b = values[Math.min(place.i + 1, values.length - 1)];
+  if (a === null || b === null) return NaN;
   if (Math.abs(b - a) > Math.PI) return place.f < 0.5 ? a : b;
   return a + (b - a) * place.f;
 }
+
+const STILL = 1e-4; // m/s: slower, the flow has no direction, only noise
+export const isMoving = (speed) => speed > STILL;
+
+// The angles of the flow, null where there is none.
+export const ofFlow = (angles, speed) => angles.map((angle, k) => (isMoving(speed[k]) ? angle : null));
 
 export function extent(values) {
   let low = Infinity;

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import uvicorn
 from pydantic import ValidationError
 
-from models.warm import SIMULATION_DONE, kernel_is_ready, warm_kernel
+from models.warm import SIMULATION_DONE, kernel_is_ready, warm_analyses, warm_kernel
 from server.app import create_app, open_store
 from server.jobs.opening import open_jobs
 from server.logs import configure_logging
@@ -118,7 +118,8 @@ def bind(settings: Settings) -> socket.socket | None:
 def _prepare(app: FastAPI) -> None:
     """Compile the kernel, which is told, or load what an earlier start has compiled, which takes a moment.
 
-    Then what else the first who asks would wait for: pictures of the presets, and the document of all operations.
+    Then what else the first who asks would wait for: pictures of the presets, the document of all operations, and what
+    finds trims and modes, which is as long to compile.
     """
     if not SIMULATION_DONE.exists():
         print("Preparing the physics: the first start on a machine compiles it, which takes a while.", flush=True)
@@ -127,6 +128,8 @@ def _prepare(app: FastAPI) -> None:
     print("The physics is ready.", flush=True)
     draw_all_presets()
     app.openapi()
+    warm_analyses()
+    print("Trims and modes are ready.", flush=True)
 
 
 def _settle() -> None:

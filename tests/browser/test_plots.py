@@ -74,6 +74,24 @@ def test_every_axis_says_its_unit(program, page, cleaner):
                 assert all(float(text.rstrip("°").replace("\u2212", "-")) % 15.0 == 0.0 for text in ticks), ticks
 
 
+def test_a_glider_at_rest_has_no_angles_of_the_flow(panel):
+    page = panel.page
+    assert panel.state("s.run.columns.speed[0]") == 0.0
+    expect(page.get_by_test_id("legend-attack")).to_have_text("–")
+    expect(page.get_by_test_id("legend-pitch")).to_have_text("0.0 °")
+    page.evaluate("() => import('../../static/keptruns.js').then(kept => kept.keepRun('Before'))")
+    page.wait_for_function("() => window.__studio.timeline.plots.rows[1].plot.series[2].kept.length === 1")
+    first, second = page.evaluate(
+        """() => {
+          const { values, kept } = window.__studio.timeline.plots.rows[1].plot.series[2];
+          return [0, 1].map((k) => [values[k], kept[0].values[k]]);
+        }"""
+    )
+    assert first == [None, None] and all(abs(angle) > 1.0 for angle in second), "it begins by sinking"
+    panel.seek(5.0)
+    expect(page.get_by_test_id("legend-attack")).not_to_have_text("–")
+
+
 READABLE = 70.0
 """Pixels: the least height of a plot, at which an axis, its unit and the legend are read."""
 

@@ -109,17 +109,19 @@ def test_only_a_start_that_compiles_says_so(monkeypatch, tmp_path, capsys):
     done = tmp_path / "done"
     monkeypatch.setattr(serve, "SIMULATION_DONE", done)
     monkeypatch.setattr(serve, "warm_kernel", done.touch)
+    monkeypatch.setattr(serve, "warm_analyses", lambda: print("analyses"))
     monkeypatch.setattr(serve, "_settle", lambda: None)
     app = serve.make_app(Settings(data=tmp_path))
     serve._prepare(app)
     first = capsys.readouterr().out
     assert "the first start on a machine compiles it" in first and "The physics is ready." in first
     serve._prepare(app)
-    assert capsys.readouterr().out == "The physics is ready.\n"
+    assert capsys.readouterr().out == "The physics is ready.\nanalyses\nTrims and modes are ready.\n"
 
 
 def test_the_document_of_all_operations_is_there_once_the_physics_is(monkeypatch, tmp_path):
     monkeypatch.setattr(serve, "warm_kernel", lambda: None)
+    monkeypatch.setattr(serve, "warm_analyses", lambda: None)
     monkeypatch.setattr(serve, "_settle", lambda: None)
     app = serve.make_app(Settings(data=tmp_path))
     serve._prepare(app)
