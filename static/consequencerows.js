@@ -36,7 +36,7 @@ const spent = (read) => ({ consequences }) => (consequences.energy ? read(conseq
 function commandedAtOnce({ state }) {
   const moved = state?.schedules.some(({ initial, points: [first] }) => first?.time === 0 && first.extension !== initial);
   const [start, begun] = [state?.mass.net_buoyancy, state?.run?.columns.net_buoyancy?.[0]];
-  return moved && Math.abs(begun - start) > 1e-4 ? { text: `${newtons(begun)} N once the commands of time 0 are met` } : undefined;
+  return moved && Math.abs(begun - start) > 1e-4 ? { text: `${newtons(begun)} N by the commands at 0 s` } : undefined;
 }
 
 const actuators = ({ parts }) => Object.values(parts).reduce((sum, joules) => sum + joules, 0);

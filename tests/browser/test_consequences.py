@@ -172,7 +172,7 @@ def test_what_a_command_of_time_zero_changes_is_told(panel):
     commanded = panel.row("Commanded at 0 s")
     expect(commanded).to_contain_text(f"{1e3 * first['extension']:.1f}")
     begun = panel.state("s.run.columns.net_buoyancy[0]")
-    note = panel.page.locator("#balance").get_by_text("N once the commands of time 0 are met")
+    note = panel.page.locator("#balance").get_by_text("N by the commands at 0 s")
     expect(note).to_contain_text(f"{begun:.4f} N".replace("-", "\u2212"))
     panel.type_number("Extension at start", 1e3 * first["extension"])
     expect(commanded).to_have_count(0)
