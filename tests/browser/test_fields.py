@@ -113,6 +113,7 @@ def test_dragging_a_label_changes_its_number_on_the_way(panel):
 
 
 def test_help_tells_the_sentence_symbol_limits_and_si_value(panel):
+    panel.wait_for_consequences()  # after which nothing is drawn anew
     panel.box("Outer radius").focus()
     panel.key("Tab", "Shift+Tab")
     told = panel.page.get_by_test_id("field-help")

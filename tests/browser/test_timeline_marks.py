@@ -51,7 +51,8 @@ def test_marks_of_surface_switches_end_stops_and_bed(program, page):
         for kind in kinds:
             mark = page.locator(f".mark.{kind}").first
             expect(mark).to_be_visible()
-            assert mark.locator("path").evaluate("path => path.getBBox().width") > 0.0
+            drawn = mark.locator("path")
+            timeline.wait_until(lambda drawn=drawn: drawn.evaluate("path => path.getBBox().width") > 0.0)
 
     marked("surface", "end_of_stroke")
     expect(page.locator(".mark.end_of_stroke").first).to_have_attribute("aria-label", re.compile("cell: end stop at"))
